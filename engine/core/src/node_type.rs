@@ -1,0 +1,110 @@
+//! A node erased to its spec and a few functions: what a registry holds and a plugin supplies.
+
+use std::sync::Arc;
+
+use crate::{CellSize, Inputs, Job, Node, NodeSpec, Outputs, ParamValue, RawParams, Result, Slot, Value};
+
+type Make = Box<dyn Fn(&[ParamValue]) -> Result<Arc<dyn Instance>> + Send + Sync>;
+type Upgrade = Box<dyn Fn(&mut RawParams, u32) -> Result<()> + Send + Sync>;
+
+/// A node type, whoever supplied it.
+pub struct NodeType {
+    spec: NodeSpec,
+    make: Make,
+    upgrade: Upgrade,
+}
+
+/// A node with its settings, ready to run any number of times.
+pub trait Instance: Send + Sync {
+    /// Computes the outputs, in the spec's order.
+    ///
+    /// # Errors
+    /// What the node's `run` returns.
+    fn run(&self, slots: &[Slot], job: &Job) -> Result<Vec<Value>>;
+    /// The halo of a local node, in cells.
+    fn halo(&self, cell: CellSize) -> usize;
+    /// Rough work per cell.
+    fn cost(&self) -> f64;
+}
+
+impl NodeType {
+    /// The erased form of a built-in node.
+    #[must_use]
+    pub fn of<N: Node>() -> Self {
+        Self::new(
+            spec_of::<N>(),
+            |values| {
+                let node = N::from_values(values)?;
+                node.check()?;
+                Ok(Arc::new(Erased(node)))
+            },
+            N::upgrade,
+        )
+    }
+
+    /// A node type from its parts, for nodes that are not Rust types.
+    #[must_use]
+    pub fn new(
+        spec: NodeSpec,
+        make: impl Fn(&[ParamValue]) -> Result<Arc<dyn Instance>> + Send + Sync + 'static,
+        upgrade: impl Fn(&mut RawParams, u32) -> Result<()> + Send + Sync + 'static,
+    ) -> Self {
+        Self { spec, make: Box::new(make), upgrade: Box::new(upgrade) }
+    }
+
+    /// What the node is.
+    #[must_use]
+    pub fn spec(&self) -> &NodeSpec {
+        &self.spec
+    }
+
+    /// A node with these settings, given in the spec's order. Every hard range is enforced here, so that no
+    /// node runs outside its own.
+    ///
+    /// # Errors
+    /// As [`ParamSpec::check`](crate::ParamSpec::check) and [`Node::check`].
+    pub fn instantiate(&self, values: &[ParamValue]) -> Result<Arc<dyn Instance>> {
+        for (spec, value) in self.spec.params.iter().zip(values) {
+            spec.check(value)?;
+        }
+        (self.make)(values)
+    }
+
+    /// Lifts parameters of an older version.
+    ///
+    /// # Errors
+    /// As [`Node::upgrade`].
+    pub fn upgrade(&self, params: &mut RawParams, from: u32) -> Result<()> {
+        (self.upgrade)(params, from)
+    }
+}
+
+fn spec_of<N: Node>() -> NodeSpec {
+    NodeSpec {
+        id: N::ID.into(),
+        version: N::VERSION,
+        doc: N::DOC.into(),
+        inputs: <N::Inputs<'static> as Inputs<'static>>::specs(),
+        outputs: N::Outputs::specs(),
+        params: N::specs(),
+        extent: N::EXTENT,
+        reads: N::READS.to_vec(),
+        writes: N::WRITES,
+        default_writer: N::DEFAULT_WRITER,
+    }
+}
+
+struct Erased<N>(N);
+
+impl<N: Node> Instance for Erased<N> {
+    fn run(&self, slots: &[Slot], job: &Job) -> Result<Vec<Value>> {
+        let inputs = <N::Inputs<'_> as Inputs<'_>>::read(slots)?;
+        Ok(self.0.run(inputs, job)?.into_values())
+    }
+    fn halo(&self, cell: CellSize) -> usize {
+        self.0.halo(cell)
+    }
+    fn cost(&self) -> f64 {
+        self.0.cost()
+    }
+}

@@ -1,0 +1,265 @@
+//! Rasters: the grids of heights, shares and colours that travel along wires.
+
+use bytemuck::Pod;
+use rayon::prelude::*;
+
+use crate::{Error, Grid, Job, Result, ValueType};
+
+/// What the cells of a [`Raster`] mean.
+pub trait Kind: Copy + Send + Sync + std::fmt::Debug + 'static {
+    /// One cell.
+    type Cell: Pod + Send + Sync + PartialEq + std::fmt::Debug;
+    /// The type of a wire that carries such a raster.
+    const TYPE: ValueType;
+    /// What a cell holds before anything is known of it.
+    const BLANK: Self::Cell;
+}
+
+/// Heights in metres; NaN is a void.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Metres;
+impl Kind for Metres {
+    type Cell = f32;
+    const TYPE: ValueType = ValueType::Heightfield;
+    const BLANK: f32 = f32::NAN;
+}
+
+/// Shares from 0 to 1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share;
+impl Kind for Share {
+    type Cell = f32;
+    const TYPE: ValueType = ValueType::Mask;
+    const BLANK: f32 = 0.0;
+}
+
+/// Colours: red, green, blue and alpha, 8 bits each, sRGB.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rgba;
+impl Kind for Rgba {
+    type Cell = [u8; 4];
+    const TYPE: ValueType = ValueType::Texture;
+    const BLANK: [u8; 4] = [0; 4];
+}
+
+/// Rows × columns of heights in metres, row-major; NaN is a void.
+pub type Heightfield = Raster<Metres>;
+/// Rows × columns of shares in 0..=1, row-major.
+pub type Mask = Raster<Share>;
+/// Rows × columns of colours, row-major, lying over a heightfield of the same grid.
+pub type Texture = Raster<Rgba>;
+
+/// A grid with one value per cell, row-major.
+#[derive(Clone, Debug)]
+pub struct Raster<K: Kind> {
+    grid: Grid,
+    cells: Vec<K::Cell>,
+}
+
+impl<K: Kind> Raster<K> {
+    /// A raster of the given cells, row-major.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] unless there is one value for each cell of the grid.
+    pub fn new(grid: Grid, cells: Vec<K::Cell>) -> Result<Self> {
+        if cells.len() != grid.len() {
+            return Err(Error::invalid(
+                format!("{} values for a grid of {} × {} cells", cells.len(), grid.rows, grid.cols),
+                "give one value for each cell, row by row",
+            ));
+        }
+        Ok(Self { grid, cells })
+    }
+
+    /// A raster with the same value everywhere.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] when `job` does not admit the memory.
+    pub fn filled(grid: Grid, value: K::Cell, job: &Job) -> Result<Self> {
+        let mut cells = Vec::new();
+        Self::reserve(&mut cells, &grid, job)?;
+        cells.resize(grid.len(), value);
+        Ok(Self { grid, cells })
+    }
+
+    /// Builds a raster row by row, in parallel: `fill` writes row `row` into the slice, which holds
+    /// [`Kind::BLANK`] before. Stops between rows when the job is cancelled, and reports progress.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] when `job` does not admit the memory, [`Error::Cancelled`], and what `fill` returns.
+    pub fn build(
+        grid: Grid,
+        job: &Job,
+        fill: impl Fn(usize, &mut [K::Cell]) -> Result<()> + Sync,
+    ) -> Result<Self> {
+        let mut raster = Self::filled(grid, K::BLANK, job)?;
+        let (rows, cols) = raster.grid.size();
+        if !raster.grid.is_empty() {
+            let done = job.stage(rows as u64);
+            raster.cells.par_chunks_mut(cols).with_min_len(min_rows(cols)).enumerate().try_for_each(
+                |(row, cells)| {
+                    job.check()?;
+                    fill(row, cells)?;
+                    done.advance(1);
+                    Ok(())
+                },
+            )?;
+        }
+        Ok(raster)
+    }
+
+    /// A raster of another kind (or the same) made cell by cell, in parallel.
+    ///
+    /// # Errors
+    /// As [`build`](Self::build).
+    pub fn map<T: Kind>(&self, job: &Job, f: impl Fn(K::Cell) -> T::Cell + Sync) -> Result<Raster<T>> {
+        Raster::<T>::build(self.grid.clone(), job, |row, out| {
+            for (out, &cell) in out.iter_mut().zip(self.row(row)) {
+                *out = f(cell);
+            }
+            Ok(())
+        })
+    }
+
+    fn reserve(cells: &mut Vec<K::Cell>, grid: &Grid, job: &Job) -> Result<()> {
+        let bytes = (grid.len() as u64).saturating_mul(size_of::<K::Cell>() as u64);
+        let what = || format!("a {} of {} × {} cells", K::TYPE, grid.rows, grid.cols);
+        job.admit(bytes, what)?;
+        cells.try_reserve_exact(grid.len()).map_err(|_| Error::TooLarge { what: what(), bytes, limit: bytes })
+    }
+
+    /// The part of `rows` × `cols` cells that starts at (`row`, `col`), with its place in the world kept.
+    ///
+    /// # Errors
+    /// As [`Grid::crop`], and [`Error::TooLarge`].
+    pub fn crop(&self, row: usize, col: usize, rows: usize, cols: usize, job: &Job) -> Result<Self> {
+        let grid = self.grid.crop(row, col, rows, cols)?;
+        Self::build(grid, job, |r, out| {
+            out.copy_from_slice(&self.row(row + r)[col..col + cols]);
+            Ok(())
+        })
+    }
+
+    /// Where the cells lie.
+    #[must_use]
+    pub fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    /// The same cells at another place.
+    ///
+    /// # Errors
+    /// [`Error::DimensionMismatch`] when `grid` has another size.
+    pub fn with_grid(self, grid: Grid) -> Result<Self> {
+        self.grid.match_size("the raster", &grid, "its new grid")?;
+        Ok(Self { grid, cells: self.cells })
+    }
+
+    /// Number of rows.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.grid.rows
+    }
+
+    /// Number of columns.
+    #[must_use]
+    pub fn cols(&self) -> usize {
+        self.grid.cols
+    }
+
+    /// All cells, row by row.
+    #[must_use]
+    pub fn cells(&self) -> &[K::Cell] {
+        &self.cells
+    }
+
+    /// All cells, row by row, to be changed while the raster is being made.
+    #[must_use]
+    pub fn cells_mut(&mut self) -> &mut [K::Cell] {
+        &mut self.cells
+    }
+
+    /// The cells alone.
+    #[must_use]
+    pub fn into_cells(self) -> Vec<K::Cell> {
+        self.cells
+    }
+
+    /// One row of cells.
+    ///
+    /// # Panics
+    /// Beyond the last row, as slices do.
+    #[must_use]
+    pub fn row(&self, row: usize) -> &[K::Cell] {
+        &self.cells[row * self.grid.cols..(row + 1) * self.grid.cols]
+    }
+
+    /// The cell at (`row`, `col`).
+    ///
+    /// # Panics
+    /// Outside the grid, as slices do.
+    #[must_use]
+    pub fn at(&self, row: usize, col: usize) -> K::Cell {
+        debug_assert!(col < self.grid.cols);
+        self.cells[row * self.grid.cols + col]
+    }
+}
+
+/// Rows that one parallel task should take at least, so that narrow rasters do not drown in tasks.
+fn min_rows(cols: usize) -> usize {
+    (8192 / cols.max(1)).max(1)
+}
+
+impl Heightfield {
+    /// Lowest and highest height; `None` when every cell is a void.
+    #[must_use]
+    pub fn range(&self) -> Option<(f32, f32)> {
+        let fold = |(low, high): (f32, f32), &height: &f32| (low.min(height), high.max(height));
+        let join = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));
+        let empty = (f32::INFINITY, f32::NEG_INFINITY);
+        // Minimum and maximum do not depend on the order, so this may run in parallel.
+        let (low, high) =
+            self.cells.par_chunks(1 << 16).map(|part| part.iter().fold(empty, fold)).reduce(|| empty, join);
+        (low <= high).then_some((low, high))
+    }
+
+    /// Number of voids.
+    #[must_use]
+    pub fn void_count(&self) -> usize {
+        self.cells.par_chunks(1 << 16).map(|part| part.iter().filter(|height| height.is_nan()).count()).sum()
+    }
+
+    /// Lowest and highest height.
+    ///
+    /// # Errors
+    /// [`Error::EmptyInput`] without cells, [`Error::AllVoid`] without a measured one; `what` names the input.
+    pub fn known_range(&self, what: &str) -> Result<(f32, f32)> {
+        if self.grid.is_empty() {
+            return Err(Error::EmptyInput { what: what.into() });
+        }
+        self.range().ok_or_else(|| Error::AllVoid { what: what.into() })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::CellSize;
+
+    #[test]
+    fn ranges_pass_over_voids() {
+        let grid = Grid::new(2, 2, CellSize::square(1.0)).unwrap();
+        let field = Heightfield::new(grid.clone(), vec![f32::NAN, 3.0, -1.0, f32::NAN]).unwrap();
+        assert_eq!(field.range(), Some((-1.0, 3.0)));
+        assert_eq!(field.void_count(), 2);
+        let voids = Heightfield::new(grid, vec![f32::NAN; 4]).unwrap();
+        assert_eq!(voids.range(), None);
+        assert!(matches!(voids.known_range("dem"), Err(Error::AllVoid { .. })));
+    }
+
+    #[test]
+    fn the_number_of_cells_must_fit() {
+        let grid = Grid::new(2, 2, CellSize::square(1.0)).unwrap();
+        assert!(Heightfield::new(grid, vec![0.0; 3]).is_err());
+    }
+}

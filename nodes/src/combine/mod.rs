@@ -1,0 +1,8 @@
+//! Two heightfields into one.
+
+use orograph_core::NodeType;
+
+/// The nodes of this family.
+pub(crate) fn nodes() -> Vec<NodeType> {
+    vec![]
+}

@@ -1,0 +1,41 @@
+//! Orograph's built-in nodes: `src/<family>/<algorithm>.rs`, one algorithm a file.
+//!
+//! A node depends on `orograph_core` and never on the engine; it takes what it needs from its inputs and its
+//! `Job`. Algorithms are plain functions beside their nodes, so that other nodes may share them.
+
+pub mod adjust;
+pub mod combine;
+pub mod filter;
+pub mod generate;
+pub mod io;
+pub mod look;
+pub mod mask;
+pub mod mcmd;
+pub mod measure;
+pub mod repair;
+#[cfg(test)]
+mod test_fields;
+pub mod transform;
+
+use orograph_core::NodeType;
+
+/// Every built-in node type, family by family.
+#[must_use]
+pub fn all() -> Vec<NodeType> {
+    [
+        adjust::nodes(),
+        combine::nodes(),
+        filter::nodes(),
+        generate::nodes(),
+        io::nodes(),
+        look::nodes(),
+        mask::nodes(),
+        mcmd::nodes(),
+        measure::nodes(),
+        repair::nodes(),
+        transform::nodes(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
+}

@@ -1,0 +1,8 @@
+//! Pictures of terrain.
+
+use orograph_core::NodeType;
+
+/// The nodes of this family.
+pub(crate) fn nodes() -> Vec<NodeType> {
+    vec![]
+}

@@ -1,0 +1,8 @@
+//! Filling voids.
+
+use orograph_core::NodeType;
+
+/// The nodes of this family.
+pub(crate) fn nodes() -> Vec<NodeType> {
+    vec![]
+}
