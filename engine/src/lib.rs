@@ -1,1 +1,9 @@
-//! stub
+//! Orograph's engine: the graph, its evaluation, the cache, documents and the registry.
+//!
+//! The engine never names a node: it learns node types from a [`Registry`] that its caller fills.
+
+pub mod graph;
+pub mod registry;
+
+pub use graph::{Graph, GraphBuilder, GraphError, GraphNode, NodeId, OutputRef};
+pub use registry::Registry;

@@ -1,0 +1,375 @@
+//! The checked graph: typed, acyclic, flat. What evaluation reads, however it came about.
+
+use std::sync::Arc;
+
+use indexmap::IndexMap;
+use orograph_core::{Arity, Error, Instance, NodeSpec, NodeType, ParamValue, PortSpec, ValueType};
+use petgraph::{
+    algo::{tarjan_scc, toposort},
+    graph::{DiGraph, NodeIndex},
+};
+
+/// A node of a [`Graph`]: its index in [`Graph::nodes`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct NodeId(pub u32);
+
+impl NodeId {
+    /// As an index.
+    #[must_use]
+    pub fn index(self) -> usize {
+        self.0 as usize
+    }
+}
+
+/// An output of a node.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub struct OutputRef {
+    /// The node.
+    pub node: NodeId,
+    /// Which of its outputs, in its spec's order.
+    pub output: u32,
+}
+
+/// A node whose type is unknown here, kept as a placeholder: it is refused when an output needs it.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Missing {
+    /// The node type's id.
+    pub id: String,
+    /// Why there is none, as a sentence with its mend.
+    pub reason: String,
+}
+
+/// What a node does.
+#[derive(Clone)]
+pub enum Action {
+    /// It runs.
+    Run {
+        /// Its type.
+        node_type: Arc<NodeType>,
+        /// Its settings, in the spec's order, checked.
+        values: Vec<ParamValue>,
+        /// It, ready to run.
+        instance: Arc<dyn Instance>,
+    },
+    /// It cannot run here.
+    Missing(Missing),
+}
+
+/// One node of a [`Graph`].
+#[derive(Clone)]
+pub struct GraphNode {
+    /// Its name in the document; nodes inside a subgraph are `outer/inner`.
+    pub name: String,
+    /// What it does.
+    pub action: Action,
+    /// For each input port, the outputs wired to it.
+    pub inputs: Vec<Vec<OutputRef>>,
+}
+
+impl GraphNode {
+    /// The spec, unless the type is missing.
+    #[must_use]
+    pub fn spec(&self) -> Option<&NodeSpec> {
+        match &self.action {
+            Action::Run { node_type, .. } => Some(node_type.spec()),
+            Action::Missing(_) => None,
+        }
+    }
+}
+
+/// A graph ready to evaluate: every wire joins ports of one type, and there is no cycle.
+#[derive(Clone, Default)]
+pub struct Graph {
+    nodes: Vec<GraphNode>,
+    order: Vec<NodeId>,
+    names: IndexMap<String, NodeId>,
+}
+
+/// Why nodes and wires make no graph.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum GraphError {
+    /// Two nodes share a name.
+    #[error("two nodes are named `{name}`")]
+    DuplicateName {
+        /// The name.
+        name: String,
+    },
+    /// A parameter is refused.
+    #[error("node `{node}`: {error}")]
+    Param {
+        /// The node's name.
+        node: String,
+        /// Why.
+        error: Error,
+    },
+    /// A node has no such port.
+    #[error("node `{node}` has no {side} `{port}`")]
+    UnknownPort {
+        /// The node's name.
+        node: String,
+        /// `input` or `output`.
+        side: &'static str,
+        /// The port asked for.
+        port: String,
+        /// The ports that it has.
+        known: Vec<String>,
+    },
+    /// A wire joins ports of different types.
+    #[error("`{from}` gives a {from_type}, but `{to}` takes a {to_type}")]
+    TypeMismatch {
+        /// `node.port` where the wire starts.
+        from: String,
+        /// Its type.
+        from_type: ValueType,
+        /// `node.port` where the wire ends.
+        to: String,
+        /// Its type.
+        to_type: ValueType,
+    },
+    /// An input that takes one wire was given more.
+    #[error("`{to}` takes one wire, but has {count}")]
+    TooManyWires {
+        /// `node.port`.
+        to: String,
+        /// How many.
+        count: usize,
+    },
+    /// An input that is needed has no wire.
+    #[error("`{to}` is not connected, but needs a {value_type}")]
+    Unconnected {
+        /// `node.port`.
+        to: String,
+        /// The type that it takes.
+        value_type: ValueType,
+    },
+    /// Nodes depend on themselves.
+    #[error("a cycle: {}", .path.join(" → "))]
+    Cycle {
+        /// Names along the cycle; the last is the first again.
+        path: Vec<String>,
+    },
+}
+
+impl Graph {
+    /// The nodes; their order means nothing.
+    #[must_use]
+    pub fn nodes(&self) -> &[GraphNode] {
+        &self.nodes
+    }
+
+    /// One node.
+    #[must_use]
+    pub fn node(&self, id: NodeId) -> &GraphNode {
+        &self.nodes[id.index()]
+    }
+
+    /// Every node after all that it depends on; among independent ones, as they were added.
+    #[must_use]
+    pub fn order(&self) -> &[NodeId] {
+        &self.order
+    }
+
+    /// The node of that name.
+    #[must_use]
+    pub fn find(&self, name: &str) -> Option<NodeId> {
+        self.names.get(name).copied()
+    }
+
+    /// All names, in the order in which the nodes were added.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.names.keys().map(String::as_str)
+    }
+
+    /// The nodes that write files, in the order in which they were added.
+    pub fn writers(&self) -> impl Iterator<Item = NodeId> + '_ {
+        self.names.values().copied().filter(|id| self.node(*id).spec().is_some_and(|spec| spec.writes))
+    }
+
+    /// `node.port` of an output.
+    #[must_use]
+    pub fn output_name(&self, output: OutputRef) -> String {
+        let node = self.node(output.node);
+        match node.spec().and_then(|spec| spec.outputs.get(output.output as usize)) {
+            Some(port) => format!("{}.{}", node.name, port.name),
+            None => format!("{}.{}", node.name, output.output),
+        }
+    }
+}
+
+/// Puts a [`Graph`] together, refusing each part that does not fit as it comes.
+#[derive(Default)]
+pub struct GraphBuilder {
+    nodes: Vec<GraphNode>,
+    names: IndexMap<String, NodeId>,
+}
+
+impl GraphBuilder {
+    /// An empty builder.
+    #[must_use]
+    pub fn new() -> Self {
+        Self::default()
+    }
+
+    /// Adds a node with settings in its spec's order.
+    ///
+    /// # Errors
+    /// [`GraphError::DuplicateName`] or [`GraphError::Param`].
+    pub fn add(
+        &mut self,
+        name: &str,
+        node_type: &Arc<NodeType>,
+        values: Vec<ParamValue>,
+    ) -> Result<NodeId, GraphError> {
+        let instance =
+            node_type.instantiate(&values).map_err(|error| GraphError::Param { node: name.into(), error })?;
+        let n_inputs = node_type.spec().inputs.len();
+        self.push(name, Action::Run { node_type: Arc::clone(node_type), values, instance }, n_inputs)
+    }
+
+    /// Adds a placeholder for a node whose type is unknown here.
+    ///
+    /// # Errors
+    /// [`GraphError::DuplicateName`].
+    pub fn add_missing(&mut self, name: &str, missing: Missing) -> Result<NodeId, GraphError> {
+        self.push(name, Action::Missing(missing), 0)
+    }
+
+    fn push(&mut self, name: &str, action: Action, n_inputs: usize) -> Result<NodeId, GraphError> {
+        if self.names.contains_key(name) {
+            return Err(GraphError::DuplicateName { name: name.into() });
+        }
+        let id = NodeId(u32::try_from(self.nodes.len()).unwrap_or(u32::MAX));
+        self.nodes.push(GraphNode { name: name.into(), action, inputs: vec![Vec::new(); n_inputs] });
+        self.names.insert(name.into(), id);
+        Ok(id)
+    }
+
+    /// Wires output port `output` of `from` to input port `input` of `to`, after the wires already there. A
+    /// wire from or to a missing node is taken on trust.
+    ///
+    /// # Errors
+    /// [`GraphError::UnknownPort`], [`GraphError::TypeMismatch`] or [`GraphError::TooManyWires`].
+    pub fn connect(&mut self, from: NodeId, output: &str, to: NodeId, input: &str) -> Result<(), GraphError> {
+        let source = self.output(from, output)?;
+        let target = &self.nodes[to.index()];
+        let Some(spec) = target.spec() else {
+            // A placeholder has no ports, but a cycle through it is still a cycle.
+            self.nodes[to.index()].inputs.push(vec![source]);
+            return Ok(());
+        };
+        let port = find(&target.name, "input", &spec.inputs, input)?;
+        let (value_type, arity) = (spec.inputs[port].value_type, spec.inputs[port].arity);
+        if let Some(from_spec) = self.nodes[from.index()].spec() {
+            let from_type = from_spec.outputs[source.output as usize].value_type;
+            if from_type != value_type {
+                return Err(GraphError::TypeMismatch {
+                    from: format!("{}.{output}", self.nodes[from.index()].name),
+                    from_type,
+                    to: format!("{}.{input}", target.name),
+                    to_type: value_type,
+                });
+            }
+        }
+        let wires = &self.nodes[to.index()].inputs[port];
+        if arity != Arity::Many && !wires.is_empty() {
+            return Err(GraphError::TooManyWires {
+                to: format!("{}.{input}", self.nodes[to.index()].name),
+                count: wires.len() + 1,
+            });
+        }
+        self.nodes[to.index()].inputs[port].push(source);
+        Ok(())
+    }
+
+    /// The output port of that name.
+    ///
+    /// # Errors
+    /// [`GraphError::UnknownPort`].
+    pub fn output(&self, node: NodeId, port: &str) -> Result<OutputRef, GraphError> {
+        let source = &self.nodes[node.index()];
+        let index = match source.spec() {
+            Some(spec) => find(&source.name, "output", &spec.outputs, port)?,
+            None => 0,
+        };
+        Ok(OutputRef { node, output: u32::try_from(index).unwrap_or(u32::MAX) })
+    }
+
+    /// The graph, when every needed input is wired and there is no cycle.
+    ///
+    /// # Errors
+    /// [`GraphError::Unconnected`] or [`GraphError::Cycle`].
+    pub fn build(self) -> Result<Graph, GraphError> {
+        let mut dag = DiGraph::<(), (), u32>::with_capacity(self.nodes.len(), self.nodes.len());
+        for _ in &self.nodes {
+            dag.add_node(());
+        }
+        for (to, node) in self.nodes.iter().enumerate() {
+            if let Some(spec) = node.spec() {
+                for (port, wires) in spec.inputs.iter().zip(&node.inputs) {
+                    if port.arity == Arity::One && wires.is_empty() {
+                        return Err(GraphError::Unconnected {
+                            to: format!("{}.{}", node.name, port.name),
+                            value_type: port.value_type,
+                        });
+                    }
+                }
+            }
+            for wire in node.inputs.iter().flatten() {
+                dag.add_edge(NodeIndex::new(wire.node.index()), NodeIndex::new(to), ());
+            }
+        }
+        let Ok(order) = toposort(&dag, None) else {
+            return Err(GraphError::Cycle { path: self.cycle(&dag) });
+        };
+        let order = order.into_iter().map(|index| NodeId(index.index() as u32)).collect();
+        Ok(Graph { nodes: self.nodes, order, names: self.names })
+    }
+
+    /// Names along one cycle, along the wires, starting at its first node in the document.
+    fn cycle(&self, dag: &DiGraph<(), (), u32>) -> Vec<String> {
+        let on_cycle = |component: &Vec<NodeIndex>| {
+            component.len() > 1 || component.iter().any(|&node| dag.contains_edge(node, node))
+        };
+        let components = tarjan_scc(dag);
+        let Some(component) =
+            components.iter().filter(|c| on_cycle(c)).min_by_key(|c| c.iter().min().copied())
+        else {
+            return Vec::new();
+        };
+        let Some(&start) = component.iter().min() else { return Vec::new() };
+        // Breadth first from the start back to itself, inside the component: a shortest cycle.
+        let mut previous = vec![None; self.nodes.len()];
+        let mut queue = std::collections::VecDeque::from([start]);
+        while let Some(node) = queue.pop_front() {
+            let mut next: Vec<_> = dag.neighbors(node).filter(|n| component.contains(n)).collect();
+            next.sort_unstable();
+            for target in next {
+                if target == start {
+                    let mut path = vec![start];
+                    let mut at = Some(node);
+                    while let Some(step) = at.filter(|step| *step != start) {
+                        path.push(step);
+                        at = previous[step.index()];
+                    }
+                    path.push(start);
+                    path.reverse();
+                    return path.iter().map(|index| self.nodes[index.index()].name.clone()).collect();
+                }
+                if previous[target.index()].is_none() {
+                    previous[target.index()] = Some(node);
+                    queue.push_back(target);
+                }
+            }
+        }
+        Vec::new()
+    }
+}
+
+fn find(node: &str, side: &'static str, ports: &[PortSpec], name: &str) -> Result<usize, GraphError> {
+    ports.iter().position(|port| port.name == name).ok_or_else(|| GraphError::UnknownPort {
+        node: node.into(),
+        side,
+        port: name.into(),
+        known: ports.iter().map(|port| port.name.to_string()).collect(),
+    })
+}

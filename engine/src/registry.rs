@@ -1,0 +1,73 @@
+//! The node types that a program knows, by id.
+
+use std::{collections::BTreeMap, sync::Arc};
+
+use orograph_core::NodeType;
+
+/// Node types by id. Front ends fill it; the engine never names a node.
+#[derive(Clone, Default)]
+pub struct Registry {
+    nodes: BTreeMap<String, Arc<NodeType>>,
+}
+
+/// Two node types claim one id.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("two node types are named `{id}`")]
+pub struct IdClash {
+    /// The id.
+    pub id: String,
+}
+
+impl Registry {
+    /// A registry of the given types.
+    ///
+    /// # Errors
+    /// [`IdClash`] when two share an id.
+    pub fn new(types: impl IntoIterator<Item = NodeType>) -> Result<Self, IdClash> {
+        let mut registry = Self::default();
+        for node_type in types {
+            registry.register(node_type)?;
+        }
+        Ok(registry)
+    }
+
+    /// Adds a type.
+    ///
+    /// # Errors
+    /// [`IdClash`] when its id is taken; the registry stays as it was.
+    pub fn register(&mut self, node_type: NodeType) -> Result<(), IdClash> {
+        let id = node_type.spec().id.to_string();
+        if self.nodes.contains_key(&id) {
+            return Err(IdClash { id });
+        }
+        self.nodes.insert(id, Arc::new(node_type));
+        Ok(())
+    }
+
+    /// The type of that id.
+    #[must_use]
+    pub fn get(&self, id: &str) -> Option<&Arc<NodeType>> {
+        self.nodes.get(id)
+    }
+
+    /// All types, by id.
+    pub fn iter(&self) -> impl Iterator<Item = &Arc<NodeType>> {
+        self.nodes.values()
+    }
+
+    /// The id most like `id`, when one is near enough to be a slip of the pen.
+    #[must_use]
+    pub fn nearest(&self, id: &str) -> Option<&str> {
+        nearest(id, self.nodes.keys().map(String::as_str))
+    }
+}
+
+/// The candidate most like `name`, when one is near enough to be a slip of the pen.
+pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) -> Option<&'a str> {
+    candidates
+        .into_iter()
+        .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
+        .filter(|(distance, candidate)| *distance <= 1 + candidate.len().max(name.len()) / 4)
+        .min()
+        .map(|(_, candidate)| candidate)
+}
