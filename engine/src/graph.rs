@@ -1,6 +1,6 @@
 //! The checked graph: typed, acyclic, flat. What evaluation reads, however it came about.
 
-use std::sync::Arc;
+use std::{path::PathBuf, sync::Arc};
 
 use indexmap::IndexMap;
 use orograph_core::{Arity, Error, Instance, NodeSpec, NodeType, ParamValue, PortSpec, ValueType};
@@ -64,6 +64,8 @@ pub struct GraphNode {
     pub action: Action,
     /// For each input port, the outputs wired to it.
     pub inputs: Vec<Vec<OutputRef>>,
+    /// The folder that the relative paths of files to read start from.
+    pub base_dir: PathBuf,
 }
 
 impl GraphNode {
@@ -74,6 +76,14 @@ impl GraphNode {
             Action::Run { node_type, .. } => Some(node_type.spec()),
             Action::Missing(_) => None,
         }
+    }
+
+    /// Where the file that a parameter names lies.
+    ///
+    /// # Errors
+    /// When the text cannot be made a path.
+    pub fn input_path(&self, text: &str) -> Result<PathBuf, Error> {
+        Ok(self.base_dir.join(text))
     }
 }
 
@@ -239,7 +249,12 @@ impl GraphBuilder {
             return Err(GraphError::DuplicateName { name: name.into() });
         }
         let id = NodeId(u32::try_from(self.nodes.len()).unwrap_or(u32::MAX));
-        self.nodes.push(GraphNode { name: name.into(), action, inputs: vec![Vec::new(); n_inputs] });
+        self.nodes.push(GraphNode {
+            name: name.into(),
+            action,
+            inputs: vec![Vec::new(); n_inputs],
+            base_dir: PathBuf::new(),
+        });
         self.names.insert(name.into(), id);
         Ok(id)
     }

@@ -15,6 +15,16 @@ impl Digest {
         Self(*blake3::hash(bytes).as_bytes())
     }
 
+    /// The digest of some bytes, with the help of the current thread pool where there are many.
+    #[must_use]
+    pub fn of_large(bytes: &[u8]) -> Self {
+        const PARALLEL: usize = 1 << 18;
+        if bytes.len() < PARALLEL {
+            return Self::of(bytes);
+        }
+        Self(*blake3::Hasher::new().update_rayon(bytes).finalize().as_bytes())
+    }
+
     /// The digest written as [`Display`](fmt::Display) writes it.
     #[must_use]
     pub fn parse(text: &str) -> Option<Self> {

@@ -35,11 +35,8 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
         if numeric && (attr.range.is_none() || attr.unit.is_none()) {
             return Err(syn::Error::new_spanned(ident, "a number needs `range = a..=b` and `unit = \"…\"`"));
         }
-        let default = if ty.to_token_stream().to_string() == "f64" {
-            quote!((#default) as f64)
-        } else {
-            quote!((#default).into())
-        };
+        // A bare literal takes the field's type, so that `default = 10` serves every number.
+        let default = if numeric { quote!((#default) as #ty) } else { quote!((#default).into()) };
         let limits = |pair: &Option<(Expr, Expr)>| match pair {
             Some((low, high)) => quote!(Some(((#low) as f64, (#high) as f64))),
             None => quote!(None),

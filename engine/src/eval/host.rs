@@ -1,0 +1,68 @@
+//! The engine's side of a running node.
+
+use std::{
+    path::PathBuf,
+    sync::{Arc, Mutex, PoisonError},
+};
+
+use orograph_core::{Error, Host, OutputStream, Result};
+
+use super::{output::OutputFolder, run::Run};
+use crate::{cache::WrittenFile, graph::NodeId};
+
+/// Serves one run of one node.
+pub(crate) struct TaskHost<'a> {
+    run: &'a Run,
+    node: NodeId,
+    folder: OutputFolder,
+    warnings: Mutex<Vec<String>>,
+    written: Arc<Mutex<Vec<WrittenFile>>>,
+}
+
+impl<'a> TaskHost<'a> {
+    pub(crate) fn new(run: &'a Run, node: NodeId) -> Self {
+        Self {
+            run,
+            node,
+            folder: OutputFolder::new(&run.request.out_dir),
+            warnings: Mutex::default(),
+            written: Arc::default(),
+        }
+    }
+
+    /// What the node said and wrote.
+    pub(crate) fn into_traces(self) -> (Vec<String>, Vec<WrittenFile>) {
+        let take = |list: &Mutex<Vec<WrittenFile>>| {
+            std::mem::take(&mut *list.lock().unwrap_or_else(PoisonError::into_inner))
+        };
+        let mut warnings = self.warnings.into_inner().unwrap_or_else(PoisonError::into_inner);
+        // Parallel work may warn in any order; a record must not depend on it.
+        warnings.sort_unstable();
+        warnings.dedup();
+        (warnings, take(&self.written))
+    }
+}
+
+impl Host for TaskHost<'_> {
+    fn cancelled(&self) -> bool {
+        self.run.cancel.is_cancelled()
+    }
+    fn progress(&self, done: f64) {
+        self.run.progress(self.node, done);
+    }
+    fn warn(&self, message: &str) {
+        self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
+    }
+    fn memory_limit(&self) -> u64 {
+        self.run.shared.cache.memory_budget()
+    }
+    fn input_path(&self, path: &str) -> Result<PathBuf> {
+        self.run.request.graph.node(self.node).input_path(path)
+    }
+    fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
+        if self.run.request.graph.node(self.node).spec().is_some_and(|spec| spec.writes) {
+            return self.folder.create(path, &self.written);
+        }
+        Err(Error::writing(path, "the node does not declare that it writes files"))
+    }
+}

@@ -1,0 +1,120 @@
+//! Keys: the name of a computation before its value exists.
+
+use std::path::Path;
+
+use orograph_core::{Context, ContextItem, Digest, Error, Hasher, ParamKind, ParamValue};
+
+use crate::{
+    cache::Cache,
+    graph::{Action, Graph, GraphNode, NodeId},
+};
+
+/// The keys of one node in one run.
+#[derive(Clone, Debug)]
+pub(crate) struct NodeKey {
+    /// Of type, version, settings, files and context: everything but the inputs.
+    pub(crate) settings: Digest,
+    /// Of the settings and the recipes of the inputs; none when a file above cannot be read.
+    pub(crate) recipe: Option<Digest>,
+    /// Why the node itself cannot run.
+    pub(crate) error: Option<Error>,
+}
+
+/// What of the context the node declared that it reads.
+pub(crate) fn visible_context(node: &GraphNode, context: Context) -> Context {
+    let reads = node.spec().map_or(&[][..], |spec| &spec.reads);
+    Context {
+        seed: if reads.contains(&ContextItem::Seed) { context.seed } else { 0 },
+        resolution: context.resolution.filter(|_| reads.contains(&ContextItem::Resolution)),
+    }
+}
+
+/// The keys of `wanted` nodes, which are in topological order, by node; none for the others.
+pub(crate) fn keys_of(
+    graph: &Graph,
+    wanted: &[NodeId],
+    context: Context,
+    cache: &Cache,
+) -> Vec<Option<NodeKey>> {
+    let mut keys: Vec<Option<NodeKey>> = vec![None; graph.nodes().len()];
+    for &id in wanted {
+        let node = graph.node(id);
+        let (settings, error) = settings_key(node, visible_context(node, context), cache);
+        let mut hasher = Hasher::new("orograph recipe 1");
+        hasher.digest(&settings);
+        let mut complete = error.is_none();
+        for wires in &node.inputs {
+            hasher.number(wires.len() as u64);
+            for wire in wires {
+                hasher.number(u64::from(wire.output));
+                match keys[wire.node.index()].as_ref().and_then(|key| key.recipe.as_ref()) {
+                    Some(recipe) => {
+                        hasher.digest(recipe);
+                    }
+                    None => complete = false,
+                }
+            }
+        }
+        let recipe = complete.then(|| hasher.finish());
+        keys[id.index()] = Some(NodeKey { settings, recipe, error });
+    }
+    keys
+}
+
+/// The key of a node whose inputs have these digests, port by port.
+pub(crate) fn action_key(settings: &Digest, inputs: &[Vec<Digest>]) -> Digest {
+    let mut hasher = Hasher::new("orograph action 1");
+    hasher.digest(settings);
+    for wires in inputs {
+        hasher.number(wires.len() as u64);
+        for digest in wires {
+            hasher.digest(digest);
+        }
+    }
+    hasher.finish()
+}
+
+fn settings_key(node: &GraphNode, context: Context, cache: &Cache) -> (Digest, Option<Error>) {
+    let (spec, values) = match &node.action {
+        Action::Run { node_type, values, .. } => (node_type.spec(), values),
+        Action::Missing(missing) => {
+            let error = Error::invalid(
+                format!("no node type `{}` is known here", missing.id),
+                missing.reason.clone(),
+            );
+            return (Digest::of(b""), Some(error));
+        }
+    };
+    let mut hasher = Hasher::new("orograph settings 1");
+    hasher.text(&spec.id).number(u64::from(spec.version));
+    let mut error = None;
+    for (param, value) in spec.params.iter().zip(values) {
+        match (&param.kind, value) {
+            // A file counts by its content and its name, which some formats read meaning from; not by its folder.
+            (ParamKind::InputPath, ParamValue::Text(text)) => {
+                match file_key(node, &param.name, text, cache) {
+                    Ok((name, digest)) => {
+                        hasher.text(&name).digest(&digest);
+                    }
+                    Err(reason) => error = error.or(Some(reason)),
+                }
+            }
+            _ => value.feed(&mut hasher),
+        }
+    }
+    hasher.number(context.seed).number(context.resolution.map_or(0, |cells| u64::from(cells) + 1));
+    (hasher.finish(), error)
+}
+
+fn file_key(node: &GraphNode, param: &str, text: &str, cache: &Cache) -> Result<(String, Digest), Error> {
+    if text.is_empty() {
+        return Err(Error::invalid(
+            format!("`{param}` names no file"),
+            format!("set it in the graph, or with --set {}.{param}=PATH", node.name),
+        ));
+    }
+    let path = node.input_path(text)?;
+    let digest = cache.file_digest(&path)?;
+    let name = path.file_name().map_or_else(String::new, |name| Path::new(name).display().to_string());
+    Ok((name, digest))
+}

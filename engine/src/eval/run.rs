@@ -1,0 +1,490 @@
+//! One run: worker tasks on the pool that take ready nodes from the table until none is left.
+
+use std::{
+    any::Any,
+    collections::HashMap,
+    panic::{AssertUnwindSafe, catch_unwind},
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak},
+    time::{Duration, Instant},
+};
+
+use orograph_core::{Digest, Error, Job, NodeSpec, Slot, Value};
+
+use super::{
+    CancelToken, Request, Shared,
+    explain::{History, Print},
+    host::TaskHost,
+    key::{NodeKey, keys_of, visible_context},
+    output::OutputFolder,
+    report::{Event, NodeReport, Observer, Outcome, Report},
+    state::{Phase, Scheduler, State},
+};
+use crate::{
+    cache::{Record, StoredOutput, Tier},
+    graph::{Action, GraphNode, NodeId},
+};
+
+/// Computations under way in this process, with those who wait for them.
+#[derive(Default)]
+pub(crate) struct InFlight(Mutex<HashMap<Digest, Vec<(Weak<Run>, u32)>>>);
+
+impl InFlight {
+    /// Whether the caller is to compute `key`; otherwise it is told when someone else has.
+    fn claim(&self, key: Digest, run: &Weak<Run>, node: u32) -> bool {
+        let mut table = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        match table.entry(key) {
+            std::collections::hash_map::Entry::Vacant(entry) => {
+                entry.insert(Vec::new());
+                true
+            }
+            std::collections::hash_map::Entry::Occupied(mut entry) => {
+                entry.get_mut().push((Weak::clone(run), node));
+                false
+            }
+        }
+    }
+
+    fn release(&self, key: &Digest) -> Vec<(Weak<Run>, u32)> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(key).unwrap_or_default()
+    }
+}
+
+/// One run.
+pub(crate) struct Run {
+    pub(crate) shared: Arc<Shared>,
+    pub(crate) request: Request,
+    pub(crate) cancel: CancelToken,
+    observer: Arc<dyn Observer>,
+    /// The nodes that the targets depend on, inputs first.
+    wanted: Vec<NodeId>,
+    keys: Vec<Option<NodeKey>>,
+    /// For each node, the first one with the same recipe: it stands for all of them.
+    stand_in: Vec<u32>,
+    history: History,
+    state: Mutex<State>,
+    quiet: Condvar,
+    me: Weak<Self>,
+}
+
+impl Run {
+    pub(crate) fn new(
+        shared: Arc<Shared>,
+        request: Request,
+        observer: Arc<dyn Observer>,
+        cancel: CancelToken,
+    ) -> Arc<Self> {
+        let wanted = wanted_nodes(&request);
+        let keys = keys_of(&request.graph, &wanted, request.context, &shared.cache);
+        let mut first = HashMap::with_capacity(wanted.len());
+        let mut stand_in: Vec<u32> = (0..keys.len() as u32).collect();
+        for id in &wanted {
+            if let Some(recipe) = keys[id.index()].as_ref().and_then(|key| key.recipe) {
+                stand_in[id.index()] = *first.entry(recipe).or_insert(id.0);
+            }
+        }
+        let history = History::load(request.history.as_deref(), &shared.cache);
+        let state = Mutex::new(State::new(keys.len()));
+        Arc::new_cyclic(|me| Self {
+            shared,
+            request,
+            cancel,
+            observer,
+            wanted,
+            keys,
+            stand_in,
+            history,
+            state,
+            quiet: Condvar::new(),
+            me: Weak::clone(me),
+        })
+    }
+
+    /// Brings every target to its end.
+    pub(crate) fn execute(&self) {
+        let mut state = self.lock();
+        let mut scheduler = Scheduler::new(self, &mut state);
+        for output in &self.request.outputs {
+            let node = self.stand_in[output.node.index()];
+            scheduler.request(node, true);
+        }
+        for writer in &self.request.writers {
+            scheduler.request(self.stand_in[writer.index()], false);
+        }
+        let ended = std::mem::take(&mut scheduler.ended);
+        for output in &self.request.outputs {
+            // The request itself is a user, so that its values stay until it is answered.
+            state.lines[self.stand_in[output.node.index()] as usize].users += 1;
+        }
+        self.call_workers(&mut state, 0);
+        drop(state);
+        self.tell(&ended);
+        self.wait();
+    }
+
+    fn wait(&self) {
+        const POLL: Duration = Duration::from_millis(20);
+        let mut state = self.lock();
+        while !state.is_quiet() {
+            if self.cancel.is_cancelled() && state.elsewhere > 0 {
+                // Another run computes it for itself; this one need not wait for the end.
+                for node in 0..state.lines.len() as u32 {
+                    if matches!(state.lines[node as usize].phase, Phase::Elsewhere) {
+                        state.elsewhere -= 1;
+                        Scheduler::new(self, &mut state).fail(node, Error::Cancelled);
+                    }
+                }
+                continue;
+            }
+            state = self.quiet.wait_timeout(state, POLL).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+
+    /// Starts as many workers as there is work beyond `own`, what the caller will take itself.
+    fn call_workers(&self, state: &mut State, own: usize) {
+        let mut work = state.ready.len().saturating_sub(own);
+        while work > 0 && state.active < self.shared.jobs {
+            work -= 1;
+            state.active += 1;
+            if let Some(run) = self.me.upgrade() {
+                self.shared.pool.spawn(move || run.work());
+            }
+        }
+    }
+
+    fn work(&self) {
+        loop {
+            let mut state = self.lock();
+            if self.cancel.is_cancelled() {
+                let dropped = std::mem::take(&mut state.ready);
+                for node in dropped {
+                    Scheduler::new(self, &mut state).fail(node, Error::Cancelled);
+                }
+            }
+            let Some(node) = state.ready.pop() else {
+                state.active -= 1;
+                if state.is_quiet() {
+                    self.quiet.notify_all();
+                }
+                return;
+            };
+            state.lines[node as usize].phase = Phase::Running;
+            let action = state.lines[node as usize].action;
+            let forced = state.lines[node as usize].forced;
+            let slots = self.slots(&state, node);
+            drop(state);
+            match (slots, action) {
+                (Some(slots), Some(action)) => self.perform(node, &slots, action, forced),
+                // A value was lost between the look and the grasp: have it made again.
+                _ => self.change(|scheduler| scheduler.retry(node, Phase::Values)),
+            }
+        }
+    }
+
+    fn slots(&self, state: &State, node: u32) -> Option<Vec<Slot>> {
+        let ports = &self.node(node).inputs;
+        let mut slots = Vec::with_capacity(ports.len());
+        for wires in ports {
+            let value = |wire: &crate::graph::OutputRef| {
+                let record = state.lines[self.stand_in[wire.node.index()] as usize].record()?;
+                self.shared.cache.value(record.outputs.get(wire.output as usize)?)
+            };
+            slots.push(match wires.as_slice() {
+                [] => Slot::Empty,
+                [wire] => Slot::One(value(wire)?),
+                wires => Slot::Many(wires.iter().map(value).collect::<Option<_>>()?),
+            });
+        }
+        Some(slots)
+    }
+
+    fn perform(&self, node: u32, slots: &[Slot], action: Digest, forced: bool) {
+        // The line says `Elsewhere` before the claim, so that an answer cannot come too early.
+        {
+            let mut state = self.lock();
+            state.lines[node as usize].phase = Phase::Elsewhere;
+            state.elsewhere += 1;
+        }
+        if !self.shared.in_flight.claim(action, &self.me, node) {
+            return;
+        }
+        {
+            let mut state = self.lock();
+            if !matches!(state.lines[node as usize].phase, Phase::Elsewhere) {
+                // Cancelled in between.
+                drop(state);
+                self.answer(&action, &Ok(()));
+                return;
+            }
+            state.lines[node as usize].phase = Phase::Running;
+            state.elsewhere -= 1;
+        }
+        let known = if forced { None } else { self.lookup(node, &action) };
+        let result = match known {
+            // Someone finished it since this node looked.
+            Some((record, tier)) => {
+                self.change(|scheduler| scheduler.finish(node, record, Outcome::Cutoff(tier)));
+                Ok(())
+            }
+            None => self.compute(node, slots, action),
+        };
+        self.answer(&action, &result);
+    }
+
+    fn compute(&self, node: u32, slots: &[Slot], action: Digest) -> Result<(), Error> {
+        self.observer.event(&Event::Started { node: self.name(node) });
+        let begun = Instant::now();
+        let host = TaskHost::new(self, NodeId(node));
+        let context = visible_context(self.node(node), self.request.context);
+        let result = run_node(self.node(node), slots, &Job::new(&host, context));
+        let micros = u64::try_from(begun.elapsed().as_micros()).unwrap_or(u64::MAX);
+        let values = match result {
+            Ok(values) => values,
+            Err(error) => {
+                self.change(|scheduler| scheduler.fail(node, error.clone()));
+                return Err(error);
+            }
+        };
+        let (warnings, files) = host.into_traces();
+        let outputs = values.iter().map(StoredOutput::of).collect();
+        let record = Arc::new(Record { outputs, files, warnings, micros });
+        for (output, value) in record.outputs.iter().zip(&values) {
+            self.shared.cache.hold(output, value.clone(), 1);
+        }
+        let mut keys = vec![action];
+        keys.extend(self.key(node).recipe);
+        for key in &keys {
+            self.shared.cache.remember(*key, &record);
+        }
+        {
+            let mut state = self.lock();
+            state.advance(node, 1.0, self.cost(node));
+            let line = &mut state.lines[node as usize];
+            line.micros += micros;
+            line.pinned = line.users > 0;
+            if !line.pinned {
+                self.shared.cache.unpin(&record);
+            }
+        }
+        if self.shared.cache.disk().is_some() {
+            let record = Arc::clone(&record);
+            self.shared.write_behind(move |cache| cache.persist(&keys, &record, &values));
+        }
+        self.change(|scheduler| scheduler.finish(node, record, Outcome::Computed));
+        Ok(())
+    }
+
+    /// Tells those who waited for `action` how it went.
+    fn answer(&self, action: &Digest, result: &Result<(), Error>) {
+        for (run, node) in self.shared.in_flight.release(action) {
+            if let Some(run) = run.upgrade() {
+                run.resume(node, result);
+            }
+        }
+    }
+
+    fn resume(&self, node: u32, result: &Result<(), Error>) {
+        self.change(|scheduler| scheduler.resume(node, result));
+        let mut state = self.lock();
+        self.call_workers(&mut state, 0);
+        if state.is_quiet() {
+            self.quiet.notify_all();
+        }
+    }
+
+    /// Moves nodes on under the lock, then wakes workers and tells the observer without it.
+    fn change(&self, moves: impl FnOnce(&mut Scheduler<'_>)) {
+        let mut state = self.lock();
+        let mut scheduler = Scheduler::new(self, &mut state);
+        moves(&mut scheduler);
+        let ended = std::mem::take(&mut scheduler.ended);
+        self.call_workers(&mut state, 1);
+        drop(state);
+        self.tell(&ended);
+    }
+
+    fn tell(&self, ended: &[u32]) {
+        for &node in ended {
+            let (outcome, overall) = {
+                let state = self.lock();
+                (state.lines[node as usize].outcome.clone(), self.overall(&state))
+            };
+            if let Some(outcome) = outcome {
+                self.observer.event(&Event::Finished { node: self.name(node), outcome: &outcome, overall });
+            }
+        }
+    }
+
+    pub(crate) fn progress(&self, node: NodeId, done: f64) {
+        let overall = {
+            let mut state = self.lock();
+            state.advance(node.0, done, self.cost(node.0));
+            self.overall(&state)
+        };
+        self.observer.event(&Event::Progress { node: self.name(node.0), done, overall });
+    }
+
+    fn overall(&self, state: &State) -> f64 {
+        if state.cost > 0.0 { (state.done_cost / state.cost).clamp(0.0, 1.0) } else { 0.0 }
+    }
+
+    pub(crate) fn report(&self) -> Report {
+        let state = self.lock();
+        let mut report = Report::default();
+        let mut prints = Vec::new();
+        for &id in &self.wanted {
+            let line = &state.lines[self.stand_in[id.index()] as usize];
+            let Some(outcome) = line.outcome.clone() else { continue };
+            let node = self.request.graph.node(id);
+            let mut reason = None;
+            if self.request.history.is_some() {
+                let print = Print::of(node, self.request.context, &self.keys, &self.shared.cache);
+                if outcome == Outcome::Computed {
+                    reason = Some(self.history.reason(node, &print, &self.request.graph));
+                }
+                prints.push((node.name.clone(), print));
+            }
+            let record = line.record();
+            let names = node.spec().map(|spec| spec.outputs.as_slice()).unwrap_or_default();
+            let outputs = record.map(|record| {
+                names
+                    .iter()
+                    .zip(&record.outputs)
+                    .map(|(port, output)| (port.name.to_string(), output.digest))
+                    .collect()
+            });
+            report.nodes.push(NodeReport {
+                node: id,
+                name: node.name.clone(),
+                id: node.spec().map_or_else(String::new, |spec| spec.id.to_string()),
+                version: node.spec().map_or(0, |spec| spec.version),
+                outcome,
+                reason,
+                key: self.keys[id.index()].as_ref().and_then(|key| key.recipe),
+                micros: if self.stand_in[id.index()] == id.0 { line.micros } else { 0 },
+                outputs: outputs.unwrap_or_default(),
+                bytes: record.map_or(0, |record| record.outputs.iter().map(|output| output.bytes).sum()),
+                files: record.map(|record| record.files.clone()).unwrap_or_default(),
+                warnings: record.map(|record| record.warnings.clone()).unwrap_or_default(),
+            });
+            if let Some(record) = record {
+                report.records.insert(id, Arc::clone(record));
+            }
+        }
+        drop(state);
+        self.history.save(self.request.history.as_deref(), prints, &self.shared.cache);
+        report
+    }
+
+    fn lock(&self) -> MutexGuard<'_, State> {
+        // Nodes run outside the lock and behind a fence, so a poisoned table is still a whole one.
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    fn node(&self, node: u32) -> &GraphNode {
+        self.request.graph.node(NodeId(node))
+    }
+
+    pub(crate) fn name(&self, node: u32) -> &str {
+        &self.node(node).name
+    }
+
+    pub(crate) fn key(&self, node: u32) -> &NodeKey {
+        static NOTHING: NodeKey = NodeKey { settings: Digest([0; 32]), recipe: None, error: None };
+        self.keys[node as usize].as_ref().unwrap_or(&NOTHING)
+    }
+
+    pub(crate) fn cost(&self, node: u32) -> f64 {
+        match &self.node(node).action {
+            Action::Run { instance, .. } => instance.cost(),
+            Action::Missing(_) => 0.0,
+        }
+    }
+
+    /// The nodes that stand for a node's inputs, one for each wire.
+    pub(crate) fn inputs(&self, node: u32) -> impl Iterator<Item = u32> + '_ {
+        self.node(node).inputs.iter().flatten().map(|wire| self.stand_in[wire.node.index()])
+    }
+
+    /// For each input port, the (stand-in, output) of its wires.
+    pub(crate) fn wires(&self, node: u32) -> impl Iterator<Item = Vec<(u32, u32)>> + '_ {
+        self.node(node)
+            .inputs
+            .iter()
+            .map(|wires| wires.iter().map(|wire| (self.stand_in[wire.node.index()], wire.output)).collect())
+    }
+
+    pub(crate) fn has_values(&self, record: &Arc<Record>) -> bool {
+        record.outputs.iter().all(|output| self.shared.cache.has_value(output))
+    }
+
+    /// A record that can stand for running the node now: of a writer, only while its files are in place.
+    pub(crate) fn lookup(&self, node: u32, key: &Digest) -> Option<(Arc<Record>, Tier)> {
+        let (record, tier) = self.shared.cache.record(key)?;
+        let spec: &NodeSpec = self.node(node).spec()?;
+        if record.outputs.len() != spec.outputs.len() {
+            return None;
+        }
+        let folder = OutputFolder::new(&self.request.out_dir);
+        let in_place =
+            !spec.writes || (!record.files.is_empty() && record.files.iter().all(|file| folder.holds(file)));
+        in_place.then_some((record, tier))
+    }
+
+    /// Lets a recipe find what its action found.
+    pub(crate) fn alias(&self, recipe: Digest, record: &Arc<Record>, tier: Tier) {
+        self.shared.cache.remember(recipe, record);
+        if tier == Tier::Disk || self.shared.cache.disk().is_some() {
+            let record = Arc::clone(record);
+            self.shared.write_behind(move |cache| cache.persist_record(&recipe, &record));
+        }
+    }
+}
+
+impl Drop for Run {
+    fn drop(&mut self) {
+        let state = self.state.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for line in &state.lines {
+            if let Some(record) = line.record().filter(|_| line.pinned) {
+                self.shared.cache.unpin(record);
+            }
+        }
+    }
+}
+
+/// The nodes that the request depends on, inputs first.
+fn wanted_nodes(request: &Request) -> Vec<NodeId> {
+    let graph = &request.graph;
+    let mut wanted = vec![false; graph.nodes().len()];
+    let mut stack: Vec<NodeId> = request.outputs.iter().map(|output| output.node).collect();
+    stack.extend(&request.writers);
+    while let Some(id) = stack.pop() {
+        if !std::mem::replace(&mut wanted[id.index()], true) {
+            stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
+        }
+    }
+    graph.order().iter().copied().filter(|id| wanted[id.index()]).collect()
+}
+
+fn run_node(node: &GraphNode, slots: &[Slot], job: &Job) -> Result<Vec<Value>, Error> {
+    let Action::Run { node_type, instance, .. } = &node.action else {
+        return Err(Error::invalid("this node type is unknown here", "install the plugin that supplies it"));
+    };
+    job.check()?;
+    let values = catch_unwind(AssertUnwindSafe(|| instance.run(slots, job)))
+        .unwrap_or_else(|panic| Err(Error::Panicked { message: panic_message(panic.as_ref()) }))?;
+    let promised = &node_type.spec().outputs;
+    let kept = values.len() == promised.len()
+        && values.iter().zip(promised).all(|(value, port)| value.value_type() == port.value_type);
+    if kept {
+        return Ok(values);
+    }
+    Err(Error::invalid(
+        "the node's outputs are not those that its spec declares",
+        "report it to the node's author",
+    ))
+}
+
+fn panic_message(panic: &(dyn Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".into())
+}
