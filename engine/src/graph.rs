@@ -3,7 +3,9 @@
 use std::{path::PathBuf, sync::Arc};
 
 use indexmap::IndexMap;
-use orograph_core::{Arity, Error, Instance, NodeSpec, NodeType, ParamValue, PortSpec, ValueType};
+use orograph_core::{
+    Arity, Digest, Error, Hasher, Instance, NodeSpec, NodeType, ParamKind, ParamValue, PortSpec, ValueType,
+};
 use petgraph::{
     algo::{tarjan_scc, toposort},
     graph::{DiGraph, NodeIndex},
@@ -50,6 +52,8 @@ pub enum Action {
         values: Vec<ParamValue>,
         /// It, ready to run.
         instance: Arc<dyn Instance>,
+        /// Digest of type, version and settings, files left out: the part of its key that no run changes.
+        fixed: Digest,
     },
     /// It cannot run here.
     Missing(Missing),
@@ -232,8 +236,9 @@ impl GraphBuilder {
     ) -> Result<NodeId, GraphError> {
         let instance =
             node_type.instantiate(&values).map_err(|error| GraphError::Param { node: name.into(), error })?;
+        let fixed = fixed_key(node_type.spec(), &values);
         let n_inputs = node_type.spec().inputs.len();
-        self.push(name, Action::Run { node_type: Arc::clone(node_type), values, instance }, n_inputs)
+        self.push(name, Action::Run { node_type: Arc::clone(node_type), values, instance, fixed }, n_inputs)
     }
 
     /// Adds a placeholder for a node whose type is unknown here.
@@ -378,6 +383,15 @@ impl GraphBuilder {
         }
         Vec::new()
     }
+}
+
+fn fixed_key(spec: &NodeSpec, values: &[ParamValue]) -> Digest {
+    let mut hasher = Hasher::new("orograph settings 1");
+    hasher.text(&spec.id).number(u64::from(spec.version));
+    for (_, value) in spec.params.iter().zip(values).filter(|(param, _)| param.kind != ParamKind::InputPath) {
+        value.feed(&mut hasher);
+    }
+    hasher.finish()
 }
 
 fn find(node: &str, side: &'static str, ports: &[PortSpec], name: &str) -> Result<usize, GraphError> {

@@ -1,11 +1,13 @@
 //! The memory tier: values by digest, under a budget in bytes.
 
 use std::{
-    collections::{BTreeMap, HashMap},
+    collections::BTreeMap,
     sync::{Mutex, MutexGuard, PoisonError},
 };
 
 use orograph_core::{Digest, Value};
+
+use super::DigestMap;
 
 /// Values by digest. The least recently used leave first when the budget is exceeded; a pinned value, one
 /// that a run still needs, leaves only when it lies on disk too.
@@ -16,7 +18,7 @@ pub(crate) struct MemoryTier {
 
 #[derive(Default)]
 struct State {
-    entries: HashMap<Digest, Entry>,
+    entries: DigestMap<Entry>,
     by_age: BTreeMap<u64, Digest>,
     clock: u64,
     bytes: u64,

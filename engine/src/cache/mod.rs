@@ -7,6 +7,7 @@ mod record;
 
 use std::{
     collections::HashMap,
+    hash::{BuildHasherDefault, Hasher},
     sync::{Arc, Mutex, PoisonError},
 };
 
@@ -17,6 +18,26 @@ pub use disk::{DiskStat, DiskTier};
 pub(crate) use files::FileDigests;
 use memory::MemoryTier;
 pub use record::{Record, StoredOutput, WrittenFile};
+
+/// A map by digest. A digest is as good as random, so eight of its bytes serve as its hash.
+pub(crate) type DigestMap<T> = HashMap<Digest, T, BuildHasherDefault<DigestHasher>>;
+
+/// Takes the first bytes of a digest for its hash.
+#[derive(Default)]
+pub(crate) struct DigestHasher(u64);
+
+impl Hasher for DigestHasher {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+    fn write(&mut self, bytes: &[u8]) {
+        if let Some(bytes) = bytes.first_chunk::<8>() {
+            self.0 = u64::from_le_bytes(*bytes);
+        }
+    }
+    // The length of the array, which comes first.
+    fn write_usize(&mut self, _: usize) {}
+}
 
 /// Where something was found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -31,7 +52,7 @@ pub enum Tier {
 /// Two tiers, one cache. Shared by every run of a process.
 pub struct Cache {
     memory: MemoryTier,
-    records: Mutex<HashMap<Digest, Arc<Record>>>,
+    records: Mutex<DigestMap<Arc<Record>>>,
     disk: Option<DiskTier>,
     files: FileDigests,
 }
@@ -161,7 +182,7 @@ impl Cache {
         }
     }
 
-    fn records(&self) -> std::sync::MutexGuard<'_, HashMap<Digest, Arc<Record>>> {
+    fn records(&self) -> std::sync::MutexGuard<'_, DigestMap<Arc<Record>>> {
         self.records.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }

@@ -74,36 +74,39 @@ pub(crate) fn action_key(settings: &Digest, inputs: &[Vec<Digest>]) -> Digest {
     hasher.finish()
 }
 
+/// The node's own part of its keys: what the graph fixed, and the content of files and the context of this run.
 fn settings_key(node: &GraphNode, context: Context, cache: &Cache) -> (Digest, Option<Error>) {
-    let (spec, values) = match &node.action {
-        Action::Run { node_type, values, .. } => (node_type.spec(), values),
+    let (spec, values, fixed) = match &node.action {
+        Action::Run { node_type, values, fixed, .. } => (node_type.spec(), values, *fixed),
         Action::Missing(missing) => {
-            let error = Error::invalid(
-                format!("no node type `{}` is known here", missing.id),
-                missing.reason.clone(),
-            );
-            return (Digest::of(b""), Some(error));
+            let message = format!("no node type `{}` is known here", missing.id);
+            return (Digest([0; 32]), Some(Error::invalid(message, missing.reason.clone())));
         }
     };
-    let mut hasher = Hasher::new("orograph settings 1");
-    hasher.text(&spec.id).number(u64::from(spec.version));
+    let files = spec.params.iter().zip(values).filter(|(param, _)| param.kind == ParamKind::InputPath);
+    let mut hasher = None;
     let mut error = None;
-    for (param, value) in spec.params.iter().zip(values) {
-        match (&param.kind, value) {
-            // A file counts by its content and its name, which some formats read meaning from; not by its folder.
-            (ParamKind::InputPath, ParamValue::Text(text)) => {
-                match file_key(node, &param.name, text, cache) {
-                    Ok((name, digest)) => {
-                        hasher.text(&name).digest(&digest);
-                    }
-                    Err(reason) => error = error.or(Some(reason)),
-                }
+    for (param, value) in files {
+        let ParamValue::Text(text) = value else { continue };
+        // A file counts by its content and its name, which some formats read meaning from; not by its folder.
+        match file_key(node, &param.name, text, cache) {
+            Ok((name, digest)) => {
+                hasher.get_or_insert_with(|| run_hasher(&fixed)).text(&name).digest(&digest);
             }
-            _ => value.feed(&mut hasher),
+            Err(reason) => error = error.or(Some(reason)),
         }
     }
-    hasher.number(context.seed).number(context.resolution.map_or(0, |cells| u64::from(cells) + 1));
-    (hasher.finish(), error)
+    if !spec.reads.is_empty() {
+        let resolution = context.resolution.map_or(0, |cells| u64::from(cells) + 1);
+        hasher.get_or_insert_with(|| run_hasher(&fixed)).number(context.seed).number(resolution);
+    }
+    (hasher.map_or(fixed, |hasher| hasher.finish()), error)
+}
+
+fn run_hasher(fixed: &Digest) -> Hasher {
+    let mut hasher = Hasher::new("orograph run settings 1");
+    hasher.digest(fixed);
+    hasher
 }
 
 fn file_key(node: &GraphNode, param: &str, text: &str, cache: &Cache) -> Result<(String, Digest), Error> {

@@ -2,7 +2,6 @@
 
 use std::{
     any::Any,
-    collections::HashMap,
     panic::{AssertUnwindSafe, catch_unwind},
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak},
     time::{Duration, Instant},
@@ -20,13 +19,16 @@ use super::{
     state::{Phase, Scheduler, State},
 };
 use crate::{
-    cache::{Record, StoredOutput, Tier},
-    graph::{Action, GraphNode, NodeId},
+    cache::{DigestMap, Record, StoredOutput, Tier},
+    graph::{Action, GraphNode, NodeId, OutputRef},
 };
 
 /// Computations under way in this process, with those who wait for them.
 #[derive(Default)]
-pub(crate) struct InFlight(Mutex<HashMap<Digest, Vec<(Weak<Run>, u32)>>>);
+pub(crate) struct InFlight(Mutex<DigestMap<Vec<Waiter>>>);
+
+/// A node of a run.
+type Waiter = (Weak<Run>, u32);
 
 impl InFlight {
     /// Whether the caller is to compute `key`; otherwise it is told when someone else has.
@@ -44,7 +46,7 @@ impl InFlight {
         }
     }
 
-    fn release(&self, key: &Digest) -> Vec<(Weak<Run>, u32)> {
+    fn release(&self, key: &Digest) -> Vec<Waiter> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(key).unwrap_or_default()
     }
 }
@@ -75,7 +77,7 @@ impl Run {
     ) -> Arc<Self> {
         let wanted = wanted_nodes(&request);
         let keys = keys_of(&request.graph, &wanted, request.context, &shared.cache);
-        let mut first = HashMap::with_capacity(wanted.len());
+        let mut first = DigestMap::with_capacity_and_hasher(wanted.len(), Default::default());
         let mut stand_in: Vec<u32> = (0..keys.len() as u32).collect();
         for id in &wanted {
             if let Some(recipe) = keys[id.index()].as_ref().and_then(|key| key.recipe) {
@@ -110,14 +112,14 @@ impl Run {
         for writer in &self.request.writers {
             scheduler.request(self.stand_in[writer.index()], false);
         }
-        let ended = std::mem::take(&mut scheduler.ended);
+        let ended = scheduler.into_ended();
         for output in &self.request.outputs {
             // The request itself is a user, so that its values stay until it is answered.
             state.lines[self.stand_in[output.node.index()] as usize].users += 1;
         }
         self.call_workers(&mut state, 0);
         drop(state);
-        self.tell(&ended);
+        self.tell(&ended, 0.0);
         self.wait();
     }
 
@@ -167,16 +169,22 @@ impl Run {
                 }
                 return;
             };
-            state.lines[node as usize].phase = Phase::Running;
-            let action = state.lines[node as usize].action;
-            let forced = state.lines[node as usize].forced;
-            let slots = self.slots(&state, node);
-            drop(state);
-            match (slots, action) {
-                (Some(slots), Some(action)) => self.perform(node, &slots, action, forced),
+            let line = &mut state.lines[node as usize];
+            line.phase = Phase::Running;
+            let (action, forced) = (line.action, line.forced);
+            let (Some(slots), Some(action)) = (self.slots(&state, node), action) else {
                 // A value was lost between the look and the grasp: have it made again.
-                _ => self.change(|scheduler| scheduler.retry(node, Phase::Values)),
+                Scheduler::new(self, &mut state).retry(node, Phase::Values);
+                continue;
+            };
+            // Under the lock, so that the answer cannot come before the line says that it is awaited.
+            if !self.shared.in_flight.claim(action, &self.me, node) {
+                state.lines[node as usize].phase = Phase::Elsewhere;
+                state.elsewhere += 1;
+                continue;
             }
+            drop(state);
+            self.perform(node, &slots, action, forced);
         }
     }
 
@@ -184,7 +192,7 @@ impl Run {
         let ports = &self.node(node).inputs;
         let mut slots = Vec::with_capacity(ports.len());
         for wires in ports {
-            let value = |wire: &crate::graph::OutputRef| {
+            let value = |wire: &OutputRef| {
                 let record = state.lines[self.stand_in[wire.node.index()] as usize].record()?;
                 self.shared.cache.value(record.outputs.get(wire.output as usize)?)
             };
@@ -198,26 +206,6 @@ impl Run {
     }
 
     fn perform(&self, node: u32, slots: &[Slot], action: Digest, forced: bool) {
-        // The line says `Elsewhere` before the claim, so that an answer cannot come too early.
-        {
-            let mut state = self.lock();
-            state.lines[node as usize].phase = Phase::Elsewhere;
-            state.elsewhere += 1;
-        }
-        if !self.shared.in_flight.claim(action, &self.me, node) {
-            return;
-        }
-        {
-            let mut state = self.lock();
-            if !matches!(state.lines[node as usize].phase, Phase::Elsewhere) {
-                // Cancelled in between.
-                drop(state);
-                self.answer(&action, &Ok(()));
-                return;
-            }
-            state.lines[node as usize].phase = Phase::Running;
-            state.elsewhere -= 1;
-        }
         let known = if forced { None } else { self.lookup(node, &action) };
         let result = match known {
             // Someone finished it since this node looked.
@@ -227,7 +215,11 @@ impl Run {
             }
             None => self.compute(node, slots, action),
         };
-        self.answer(&action, &result);
+        for (run, node) in self.shared.in_flight.release(&action) {
+            if let Some(run) = run.upgrade() {
+                run.resume(node, &result);
+            }
+        }
     }
 
     fn compute(&self, node: u32, slots: &[Slot], action: Digest) -> Result<(), Error> {
@@ -255,31 +247,12 @@ impl Run {
         for key in &keys {
             self.shared.cache.remember(*key, &record);
         }
-        {
-            let mut state = self.lock();
-            state.advance(node, 1.0, self.cost(node));
-            let line = &mut state.lines[node as usize];
-            line.micros += micros;
-            line.pinned = line.users > 0;
-            if !line.pinned {
-                self.shared.cache.unpin(&record);
-            }
-        }
         if self.shared.cache.disk().is_some() {
             let record = Arc::clone(&record);
             self.shared.write_behind(move |cache| cache.persist(&keys, &record, &values));
         }
-        self.change(|scheduler| scheduler.finish(node, record, Outcome::Computed));
+        self.change(|scheduler| scheduler.complete(node, record, micros));
         Ok(())
-    }
-
-    /// Tells those who waited for `action` how it went.
-    fn answer(&self, action: &Digest, result: &Result<(), Error>) {
-        for (run, node) in self.shared.in_flight.release(action) {
-            if let Some(run) = run.upgrade() {
-                run.resume(node, result);
-            }
-        }
     }
 
     fn resume(&self, node: u32, result: &Result<(), Error>) {
@@ -296,21 +269,16 @@ impl Run {
         let mut state = self.lock();
         let mut scheduler = Scheduler::new(self, &mut state);
         moves(&mut scheduler);
-        let ended = std::mem::take(&mut scheduler.ended);
+        let ended = scheduler.into_ended();
         self.call_workers(&mut state, 1);
+        let overall = self.overall(&state);
         drop(state);
-        self.tell(&ended);
+        self.tell(&ended, overall);
     }
 
-    fn tell(&self, ended: &[u32]) {
-        for &node in ended {
-            let (outcome, overall) = {
-                let state = self.lock();
-                (state.lines[node as usize].outcome.clone(), self.overall(&state))
-            };
-            if let Some(outcome) = outcome {
-                self.observer.event(&Event::Finished { node: self.name(node), outcome: &outcome, overall });
-            }
+    fn tell(&self, ended: &[(u32, Outcome)], overall: f64) {
+        for (node, outcome) in ended {
+            self.observer.event(&Event::Finished { node: self.name(*node), outcome, overall });
         }
     }
 

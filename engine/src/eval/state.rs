@@ -130,13 +130,17 @@ pub(crate) struct Scheduler<'a> {
     run: &'a Run,
     state: &'a mut State,
     steps: Vec<Step>,
-    /// Nodes that came to their end, to be told to the observer after the lock is gone.
-    pub(crate) ended: Vec<u32>,
+    ended: Vec<(u32, Outcome)>,
 }
 
 impl<'a> Scheduler<'a> {
     pub(crate) fn new(run: &'a Run, state: &'a mut State) -> Self {
         Self { run, state, steps: Vec::new(), ended: Vec::new() }
+    }
+
+    /// The nodes that came to their end, to be told to the observer after the lock is gone.
+    pub(crate) fn into_ended(self) -> Vec<(u32, Outcome)> {
+        self.ended
     }
 
     /// Asks for a node's outputs on behalf of the caller.
@@ -151,6 +155,18 @@ impl<'a> Scheduler<'a> {
         self.line(node).waiting = 1;
         self.steps.push(Step::Arrive(node));
         self.settle();
+    }
+
+    /// Ends a node that ran. Its values were pinned, and stay so while someone wants them.
+    pub(crate) fn complete(&mut self, node: u32, record: Arc<Record>, micros: u64) {
+        self.state.advance(node, 1.0, self.run.cost(node));
+        let line = self.line(node);
+        line.micros += micros;
+        line.pinned = line.users > 0;
+        if !line.pinned {
+            self.run.shared.cache.unpin(&record);
+        }
+        self.finish(node, record, Outcome::Computed);
     }
 
     pub(crate) fn finish(&mut self, node: u32, record: Arc<Record>, outcome: Outcome) {
@@ -340,7 +356,7 @@ impl<'a> Scheduler<'a> {
         line.forced = false;
         // A node that ran once in this run is reported as such, however often its value is asked for again.
         if line.outcome != Some(Outcome::Computed) || matches!(outcome, Outcome::Failed(_)) {
-            line.outcome = Some(outcome);
+            line.outcome = Some(outcome.clone());
         }
         let counted = std::mem::take(&mut line.counted);
         let dependents = std::mem::take(&mut line.dependents);
@@ -350,7 +366,7 @@ impl<'a> Scheduler<'a> {
                 self.drop_user(input);
             }
         }
-        self.ended.push(node);
+        self.ended.push((node, outcome));
     }
 
     /// One user less; the last one lets the values go.

@@ -1,5 +1,6 @@
 //! A few node types for the engine's own tests.
-#![allow(dead_code, unreachable_pub)] // each test binary uses its part
+// Each test binary uses its part; a benchmark is not a test to clippy.
+#![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
 use std::{
     sync::{
