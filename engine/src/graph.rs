@@ -1,9 +1,9 @@
 //! The checked graph: typed, acyclic, flat. What evaluation reads, however it came about.
 
-use std::sync::Arc;
+use std::{path::Path, sync::Arc};
 
 use indexmap::IndexMap;
-use orograph_core::{Arity, Error, Instance, NodeSpec, NodeType, ParamValue, PortSpec, ValueType};
+use orograph_core::{Arity, Error, Instance, NodeSpec, NodeType, ParamKind, ParamValue, PortSpec, ValueType};
 use petgraph::{
     algo::{tarjan_scc, toposort},
     graph::{DiGraph, NodeIndex},
@@ -64,6 +64,9 @@ pub struct GraphNode {
     pub action: Action,
     /// For each input port, the outputs wired to it.
     pub inputs: Vec<Vec<OutputRef>>,
+    /// For each parameter, the folder that a relative input path in it starts from; empty for a graph that
+    /// was put together in code.
+    pub base_dirs: Vec<Arc<Path>>,
 }
 
 impl GraphNode {
@@ -74,6 +77,17 @@ impl GraphNode {
             Action::Run { node_type, .. } => Some(node_type.spec()),
             Action::Missing(_) => None,
         }
+    }
+
+    /// The folder that the relative input path `text` among the settings starts from.
+    #[must_use]
+    pub fn base_dir(&self, text: &str) -> &Path {
+        let Action::Run { node_type, values, .. } = &self.action else { return Path::new("") };
+        let params = node_type.spec().params.iter().zip(values).zip(&self.base_dirs);
+        params
+            .filter(|((spec, _), _)| spec.kind == ParamKind::InputPath)
+            .find(|((_, value), _)| matches!(value, ParamValue::Text(path) if path == text))
+            .map_or(Path::new(""), |(_, base_dir)| base_dir)
     }
 }
 
@@ -226,6 +240,17 @@ impl GraphBuilder {
         self.push(name, Action::Run { node_type: Arc::clone(node_type), values, instance }, n_inputs)
     }
 
+    /// Tells, for each parameter of `node`, the folder that relative input paths start from.
+    pub fn set_base_dirs(&mut self, node: NodeId, base_dirs: Vec<Arc<Path>>) {
+        self.nodes[node.index()].base_dirs = base_dirs;
+    }
+
+    /// The name of a node.
+    #[must_use]
+    pub fn name(&self, node: NodeId) -> &str {
+        &self.nodes[node.index()].name
+    }
+
     /// Adds a placeholder for a node whose type is unknown here.
     ///
     /// # Errors
@@ -239,7 +264,12 @@ impl GraphBuilder {
             return Err(GraphError::DuplicateName { name: name.into() });
         }
         let id = NodeId(u32::try_from(self.nodes.len()).unwrap_or(u32::MAX));
-        self.nodes.push(GraphNode { name: name.into(), action, inputs: vec![Vec::new(); n_inputs] });
+        self.nodes.push(GraphNode {
+            name: name.into(),
+            action,
+            inputs: vec![Vec::new(); n_inputs],
+            base_dirs: Vec::new(),
+        });
         self.names.insert(name.into(), id);
         Ok(id)
     }

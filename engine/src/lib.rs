@@ -2,8 +2,13 @@
 //!
 //! The engine never names a node: it learns node types from a [`Registry`] that its caller fills.
 
+pub mod compile;
+pub mod document;
 pub mod graph;
+pub mod manual;
 pub mod registry;
 
+pub use compile::{CompileOptions, Compiled, ExposedParam, compile, expand_path};
+pub use document::{Document, DocumentError, DocumentErrors};
 pub use graph::{Graph, GraphBuilder, GraphError, GraphNode, NodeId, OutputRef};
 pub use registry::Registry;
