@@ -1,6 +1,9 @@
 //! The checked graph: typed, acyclic, flat. What evaluation reads, however it came about.
 
-use std::{path::PathBuf, sync::Arc};
+use std::{
+    path::{Path, PathBuf},
+    sync::Arc,
+};
 
 use indexmap::IndexMap;
 use orograph_core::{
@@ -10,6 +13,8 @@ use petgraph::{
     algo::{tarjan_scc, toposort},
     graph::{DiGraph, NodeIndex},
 };
+
+use crate::compile::expand_path;
 
 /// A node of a [`Graph`]: its index in [`Graph::nodes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -68,8 +73,9 @@ pub struct GraphNode {
     pub action: Action,
     /// For each input port, the outputs wired to it.
     pub inputs: Vec<Vec<OutputRef>>,
-    /// The folder that the relative paths of files to read start from.
-    pub base_dir: PathBuf,
+    /// For each parameter, the folder that a relative input path in it starts from; empty for a graph that
+    /// was put together in code.
+    pub base_dirs: Vec<Arc<Path>>,
 }
 
 impl GraphNode {
@@ -82,12 +88,24 @@ impl GraphNode {
         }
     }
 
-    /// Where the file that a parameter names lies.
+    /// The folder that the relative input path `text` among the settings starts from.
+    #[must_use]
+    pub fn base_dir(&self, text: &str) -> &Path {
+        let Action::Run { node_type, values, .. } = &self.action else { return Path::new("") };
+        let params = node_type.spec().params.iter().zip(values).zip(&self.base_dirs);
+        params
+            .filter(|((spec, _), _)| spec.kind == ParamKind::InputPath)
+            .find(|((_, value), _)| matches!(value, ParamValue::Text(path) if path == text))
+            .map_or(Path::new(""), |(_, base_dir)| base_dir)
+    }
+
+    /// Where the file that `text` among the settings names lies, with variables of the environment filled in.
     ///
     /// # Errors
-    /// When the text cannot be made a path.
+    /// As [`expand_path`](crate::expand_path).
     pub fn input_path(&self, text: &str) -> Result<PathBuf, Error> {
-        Ok(self.base_dir.join(text))
+        expand_path(text, self.base_dir(text), &|name| std::env::var(name).ok())
+            .map_err(|error| Error::invalid(error.to_string(), error.hint()))
     }
 }
 
@@ -241,6 +259,17 @@ impl GraphBuilder {
         self.push(name, Action::Run { node_type: Arc::clone(node_type), values, instance, fixed }, n_inputs)
     }
 
+    /// Tells, for each parameter of `node`, the folder that relative input paths start from.
+    pub fn set_base_dirs(&mut self, node: NodeId, base_dirs: Vec<Arc<Path>>) {
+        self.nodes[node.index()].base_dirs = base_dirs;
+    }
+
+    /// The name of a node.
+    #[must_use]
+    pub fn name(&self, node: NodeId) -> &str {
+        &self.nodes[node.index()].name
+    }
+
     /// Adds a placeholder for a node whose type is unknown here.
     ///
     /// # Errors
@@ -258,7 +287,7 @@ impl GraphBuilder {
             name: name.into(),
             action,
             inputs: vec![Vec::new(); n_inputs],
-            base_dir: PathBuf::new(),
+            base_dirs: Vec::new(),
         });
         self.names.insert(name.into(), id);
         Ok(id)

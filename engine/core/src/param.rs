@@ -328,8 +328,15 @@ impl RawParams {
 
     /// Multiplies a number, for a change of unit; does nothing when the graph did not set it.
     pub fn scale(&mut self, name: &str, factor: f64) {
-        if let Some(ParamValue::Number(x)) = self.0.get_mut(name) {
-            *x *= factor;
+        match self.0.get_mut(name) {
+            Some(ParamValue::Number(x)) => *x *= factor,
+            // A file may write a whole number without its point.
+            Some(value) => {
+                if let ParamValue::Integer(i) = *value {
+                    *value = ParamValue::Number(i as f64 * factor);
+                }
+            }
+            None => {}
         }
     }
 }

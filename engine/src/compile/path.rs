@@ -1,0 +1,116 @@
+//! Paths of files to read, as graphs write them.
+
+use std::path::{Path, PathBuf};
+
+/// Why a path in a graph names no file.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum PathError {
+    /// A variable has no value, and the path gives it none.
+    #[error("`{path}` needs the variable {name}, which is not set")]
+    Unset {
+        /// The path as written.
+        path: String,
+        /// The variable.
+        name: String,
+    },
+    /// A `${` is no variable.
+    #[error("`{path}`: {reason}")]
+    Malformed {
+        /// The path as written.
+        path: String,
+        /// What is wrong.
+        reason: &'static str,
+    },
+}
+
+impl PathError {
+    /// What would mend it.
+    #[must_use]
+    pub fn hint(&self) -> String {
+        match self {
+            Self::Unset { name, .. } => {
+                format!("set {name}, or give a default in the graph: `${{{name}:-folder}}`")
+            }
+            Self::Malformed { .. } => "write `${NAME}` or `${NAME:-default}`".into(),
+        }
+    }
+}
+
+/// The file that `text` names in a graph of the folder `base_dir`.
+///
+/// `${NAME}` stands for a variable and `${NAME:-default}` gives it a default, for a variable that is unset or
+/// empty. A relative default starts, as every relative path, from the graph's folder. The value of a variable
+/// is the user's and starts from the working folder, so it is only joined to nothing.
+///
+/// # Errors
+/// A variable without value, or a `${` that is no variable.
+pub fn expand_path(
+    text: &str,
+    base_dir: &Path,
+    variable: &dyn Fn(&str) -> Option<String>,
+) -> Result<PathBuf, PathError> {
+    let malformed = |reason| PathError::Malformed { path: text.into(), reason };
+    let mut expanded = String::new();
+    let mut rest = text;
+    // A path that starts with the user's own value is the user's path.
+    let mut is_users = false;
+    while let Some(start) = rest.find("${") {
+        expanded.push_str(&rest[..start]);
+        let inside = &rest[start + 2..];
+        let Some(end) = inside.find('}') else { return Err(malformed("a `${` has no `}`")) };
+        let (name, default) = match inside[..end].split_once(":-") {
+            Some((name, default)) => (name, Some(default)),
+            None => (&inside[..end], None),
+        };
+        if name.is_empty() || !name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_') {
+            return Err(malformed("a variable's name has letters, digits and `_` alone"));
+        }
+        match (variable(name).filter(|value| !value.is_empty()), default) {
+            (Some(value), _) => {
+                is_users |= expanded.is_empty();
+                expanded.push_str(&value);
+            }
+            (None, Some(default)) => expanded.push_str(default),
+            (None, None) => return Err(PathError::Unset { path: text.into(), name: name.into() }),
+        }
+        rest = &inside[end + 1..];
+    }
+    expanded.push_str(rest);
+    Ok(if is_users { PathBuf::from(expanded) } else { base_dir.join(expanded) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn variables_defaults_and_folders() {
+        let variable = |name: &str| match name {
+            "DEM" => Some("/dems".to_owned()),
+            "NEAR" => Some("near".to_owned()),
+            "EMPTY" => Some(String::new()),
+            _ => None,
+        };
+        let expand = |text| expand_path(text, Path::new("graphs"), &variable);
+        for (text, path) in [
+            ("data/x.tif", "graphs/data/x.tif"),
+            ("../x.tif", "graphs/../x.tif"),
+            ("/abs/x.tif", "/abs/x.tif"),
+            ("${DEM}/x.tif", "/dems/x.tif"),
+            ("${DEM:-../dem}/x.tif", "/dems/x.tif"),
+            ("${NEAR}/x.tif", "near/x.tif"),
+            ("data/${NEAR}.tif", "graphs/data/near.tif"),
+            ("${UNSET:-../dem}/x.tif", "graphs/../dem/x.tif"),
+            ("${EMPTY:-../dem}/x.tif", "graphs/../dem/x.tif"),
+            ("${UNSET:-}x.tif", "graphs/x.tif"),
+            ("a$b{c}.tif", "graphs/a$b{c}.tif"),
+        ] {
+            assert_eq!(expand(text), Ok(PathBuf::from(path)), "{text}");
+        }
+        let unset = PathError::Unset { path: "${UNSET}/x".into(), name: "UNSET".into() };
+        assert_eq!(expand("${UNSET}/x"), Err(unset));
+        for malformed in ["${DEM", "${}", "${a b}", "x/${DEM:-"] {
+            assert!(matches!(expand(malformed), Err(PathError::Malformed { .. })), "{malformed}");
+        }
+    }
+}
