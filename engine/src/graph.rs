@@ -217,6 +217,38 @@ impl Graph {
         self.names.values().copied().filter(|id| self.node(*id).spec().is_some_and(|spec| spec.writes))
     }
 
+    /// Takes the graph apart again, to add to it.
+    #[must_use]
+    pub fn into_builder(self) -> GraphBuilder {
+        GraphBuilder { nodes: self.nodes, names: self.names }
+    }
+
+    /// The files that a writer is to write, relative to the output folder.
+    pub fn files_of(&self, writer: NodeId) -> impl Iterator<Item = &str> {
+        let (params, values) = match &self.node(writer).action {
+            Action::Run { node_type, values, .. } => (node_type.spec().params.as_slice(), values.as_slice()),
+            Action::Missing(_) => (&[][..], &[][..]),
+        };
+        params.iter().zip(values).filter_map(|(param, value)| match (&param.kind, value) {
+            (ParamKind::OutputPath, ParamValue::Text(file)) => Some(file.as_str()),
+            _ => None,
+        })
+    }
+
+    /// Two of `writers` that would write one file, and its name.
+    #[must_use]
+    pub fn clash(&self, writers: &[NodeId]) -> Option<(NodeId, NodeId, String)> {
+        let mut files: IndexMap<&str, NodeId> = IndexMap::new();
+        for &writer in writers {
+            for file in self.files_of(writer) {
+                if let Some(first) = files.insert(file, writer).filter(|first| *first != writer) {
+                    return Some((first, writer, file.to_owned()));
+                }
+            }
+        }
+        None
+    }
+
     /// `node.port` of an output.
     #[must_use]
     pub fn output_name(&self, output: OutputRef) -> String {
@@ -300,6 +332,14 @@ impl GraphBuilder {
     /// [`GraphError::UnknownPort`], [`GraphError::TypeMismatch`] or [`GraphError::TooManyWires`].
     pub fn connect(&mut self, from: NodeId, output: &str, to: NodeId, input: &str) -> Result<(), GraphError> {
         let source = self.output(from, output)?;
+        self.wire(source, to, input)
+    }
+
+    /// As [`connect`](Self::connect), from an output already found.
+    ///
+    /// # Errors
+    /// As [`connect`](Self::connect).
+    pub fn wire(&mut self, source: OutputRef, to: NodeId, input: &str) -> Result<(), GraphError> {
         let target = &self.nodes[to.index()];
         let Some(spec) = target.spec() else {
             // A placeholder has no ports, but a cycle through it is still a cycle.
@@ -308,12 +348,12 @@ impl GraphBuilder {
         };
         let port = find(&target.name, "input", &spec.inputs, input)?;
         let (value_type, arity) = (spec.inputs[port].value_type, spec.inputs[port].arity);
-        if let Some(from_spec) = self.nodes[from.index()].spec() {
-            let from_type = from_spec.outputs[source.output as usize].value_type;
-            if from_type != value_type {
+        let from = &self.nodes[source.node.index()];
+        if let Some(given) = from.spec().and_then(|spec| spec.outputs.get(source.output as usize)) {
+            if given.value_type != value_type {
                 return Err(GraphError::TypeMismatch {
-                    from: format!("{}.{output}", self.nodes[from.index()].name),
-                    from_type,
+                    from: format!("{}.{}", from.name, given.name),
+                    from_type: given.value_type,
                     to: format!("{}.{input}", target.name),
                     to_type: value_type,
                 });

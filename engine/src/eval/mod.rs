@@ -10,6 +10,7 @@ mod explain;
 mod host;
 mod key;
 mod output;
+mod plan;
 mod report;
 mod run;
 mod state;
@@ -24,6 +25,7 @@ use rayon::{ThreadPool, ThreadPoolBuildError, ThreadPoolBuilder};
 
 pub use cancel::CancelToken;
 pub use output::OutputFolder;
+pub use plan::Planned;
 pub use report::{Event, NodeReport, Observer, Outcome, Report, Silent};
 
 use crate::{

@@ -25,13 +25,16 @@ impl OutputFolder {
         Self { root: root.into() }
     }
 
-    /// Whether `file` lies there with the content that was once written.
+    /// Whether all `files`, and there are some, lie there with the content that was once written.
     #[must_use]
-    pub fn holds(&self, file: &WrittenFile) -> bool {
-        let path = self.root.join(&file.name);
-        let same_length =
-            fs::symlink_metadata(&path).is_ok_and(|meta| meta.is_file() && meta.len() == file.bytes);
-        same_length && digest_of_file(&path).is_ok_and(|digest| digest == file.digest)
+    pub fn holds(&self, files: &[WrittenFile]) -> bool {
+        let in_place = |file: &WrittenFile| {
+            let path = self.root.join(&file.name);
+            let same_length =
+                fs::symlink_metadata(&path).is_ok_and(|meta| meta.is_file() && meta.len() == file.bytes);
+            same_length && digest_of_file(&path).is_ok_and(|digest| digest == file.digest)
+        };
+        !files.is_empty() && files.iter().all(in_place)
     }
 
     /// Begins a file. What was finished is added to `written`.

@@ -392,9 +392,7 @@ impl Run {
         if record.outputs.len() != spec.outputs.len() {
             return None;
         }
-        let folder = OutputFolder::new(&self.request.out_dir);
-        let in_place =
-            !spec.writes || (!record.files.is_empty() && record.files.iter().all(|file| folder.holds(file)));
+        let in_place = !spec.writes || OutputFolder::new(&self.request.out_dir).holds(&record.files);
         in_place.then_some((record, tier))
     }
 
@@ -420,7 +418,7 @@ impl Drop for Run {
 }
 
 /// The nodes that the request depends on, inputs first.
-fn wanted_nodes(request: &Request) -> Vec<NodeId> {
+pub(crate) fn wanted_nodes(request: &Request) -> Vec<NodeId> {
     let graph = &request.graph;
     let mut wanted = vec![false; graph.nodes().len()];
     let mut stack: Vec<NodeId> = request.outputs.iter().map(|output| output.node).collect();

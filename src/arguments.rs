@@ -1,0 +1,189 @@
+//! The command line's grammar; the help texts are its manual.
+
+use std::path::PathBuf;
+
+use clap::{Args, Parser, Subcommand};
+use clap_complete::Shell;
+
+use crate::size;
+
+/// A node graph for terrain: deterministic, cached, scriptable to the end.
+#[derive(Parser)]
+#[command(name = "orograph", version, propagate_version = true, max_term_width = 100)]
+pub(crate) struct Arguments {
+    #[command(subcommand)]
+    pub(crate) command: Command,
+}
+
+/// What to do.
+#[derive(Subcommand)]
+pub(crate) enum Command {
+    /// Run a graph: write its files and print its tables
+    Run(RunOptions),
+    /// Check graphs without running them
+    Check(CheckOptions),
+    /// List the node types, or tell everything about one
+    Nodes(NodesOptions),
+    /// Run a graph for every combination of parameter values; write a contact sheet and a table of metrics
+    Sweep(SweepOptions),
+    /// Print a graph: for Graphviz, or in the canonical form of a graph file
+    Graph(GraphOptions),
+    /// Look after the cache folder
+    Cache(CacheOptions),
+    /// Write the manual of all node types
+    Manual(ManualOptions),
+    /// Print a completion script for a shell
+    Completions {
+        /// The shell
+        shell: Shell,
+    },
+}
+
+/// What fixes a graph's parameters and context.
+#[derive(Args, Clone)]
+pub(crate) struct GraphSettings {
+    /// The graph file
+    pub(crate) graph: PathBuf,
+    /// Set a parameter: node.param=value, or the name of an exposed parameter; may be given many times
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<String>,
+    /// Read parameters from a RON or JSON map of names to values; --set goes before it
+    #[arg(long, value_name = "FILE")]
+    pub(crate) vars: Option<PathBuf>,
+}
+
+/// How to evaluate.
+#[derive(Args, Clone)]
+pub(crate) struct EvaluationOptions {
+    /// The run's seed
+    #[arg(long, default_value_t = 0)]
+    pub(crate) seed: u64,
+    /// Cells along the longer side that generators make, for previews
+    #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u32).range(1..=131_072))]
+    pub(crate) resolution: Option<u32>,
+    /// Threads; 0 is one for each core
+    #[arg(long, default_value_t = 0, value_name = "N")]
+    pub(crate) jobs: usize,
+    /// The cache folder, or `none` to keep results in memory alone
+    #[arg(long, env = "OROGRAPH_CACHE", value_name = "DIR|none")]
+    pub(crate) cache: Option<PathBuf>,
+    /// Memory for results, such as 2GiB; by default 8 GiB or three quarters of a smaller machine
+    #[arg(long, value_name = "BYTES", value_parser = size::parse)]
+    pub(crate) memory: Option<u64>,
+    /// The folder that files are written into
+    #[arg(long, default_value = "out", value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Say nothing but errors
+    #[arg(long, short)]
+    pub(crate) quiet: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct RunOptions {
+    #[command(flatten)]
+    pub(crate) settings: GraphSettings,
+    /// Outputs to make: a writer's name, node.port, or a named output; by default every writer and table
+    pub(crate) outputs: Vec<String>,
+    #[command(flatten)]
+    pub(crate) evaluation: EvaluationOptions,
+    /// Print a JSON manifest of the run instead of tables
+    #[arg(long)]
+    pub(crate) json: bool,
+    /// Tell what would be computed, and compute nothing
+    #[arg(long)]
+    pub(crate) dry_run: bool,
+    /// Tell of every node whether it was found or computed, and why
+    #[arg(long)]
+    pub(crate) explain: bool,
+    /// Tell how long every node took
+    #[arg(long)]
+    pub(crate) timings: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct CheckOptions {
+    /// The graph files
+    #[arg(required = true)]
+    pub(crate) graphs: Vec<PathBuf>,
+    /// Set a parameter, as for `run`
+    #[arg(long = "set", value_name = "NAME=VALUE")]
+    pub(crate) set: Vec<String>,
+}
+
+#[derive(Args)]
+pub(crate) struct NodesOptions {
+    /// The node type's id
+    pub(crate) id: Option<String>,
+    /// Print specs as JSON
+    #[arg(long)]
+    pub(crate) json: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct SweepOptions {
+    #[command(flatten)]
+    pub(crate) settings: GraphSettings,
+    /// The values of one parameter: name=v1,v2,v3 or name=from..to/count; several make a grid
+    #[arg(long = "param", required = true, value_name = "NAME=VALUES")]
+    pub(crate) params: Vec<String>,
+    /// What to collect: pictures for the sheet, tables for the metrics; by default the named outputs
+    #[arg(long = "output", value_name = "OUTPUT")]
+    pub(crate) outputs: Vec<String>,
+    /// Most combinations that are run
+    #[arg(long, default_value_t = 1024)]
+    pub(crate) limit: usize,
+    /// Cells along the longer side of a picture on the sheet
+    #[arg(long, default_value_t = 256, value_parser = clap::value_parser!(u32).range(16..=4096))]
+    pub(crate) thumbnail: u32,
+    #[command(flatten)]
+    pub(crate) evaluation: EvaluationOptions,
+}
+
+#[derive(Args)]
+pub(crate) struct GraphOptions {
+    #[command(flatten)]
+    pub(crate) settings: GraphSettings,
+    /// Print the graph for Graphviz; this is the default
+    #[arg(long, conflicts_with = "ron")]
+    pub(crate) dot: bool,
+    /// Print the graph file in canonical form, without its `//` comments
+    #[arg(long)]
+    pub(crate) ron: bool,
+}
+
+#[derive(Args)]
+pub(crate) struct CacheOptions {
+    #[command(subcommand)]
+    pub(crate) action: CacheAction,
+    /// The cache folder
+    #[arg(long, env = "OROGRAPH_CACHE", value_name = "DIR", global = true)]
+    pub(crate) cache: Option<PathBuf>,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum CacheAction {
+    /// Tell what lies in the folder
+    Stat {
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Remove what was unused for longest, and what dead processes left
+    Gc {
+        /// Bytes to keep, such as 10GiB
+        #[arg(long, default_value = "10GiB", value_parser = size::parse)]
+        max: u64,
+    },
+    /// Remove everything
+    Clear,
+}
+
+#[derive(Args)]
+pub(crate) struct ManualOptions {
+    /// The folder that the pages are written into
+    #[arg(long, default_value = "docs/manual", value_name = "DIR")]
+    pub(crate) out: PathBuf,
+    /// Write nothing; fail unless the pages there are as they would be written
+    #[arg(long)]
+    pub(crate) check: bool,
+}

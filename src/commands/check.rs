@@ -1,0 +1,75 @@
+//! `orograph check`: everything that can be known of a graph without running it.
+
+use orograph_core::{ParamKind, ParamValue};
+use orograph_engine::{Compiled, graph::Action};
+
+use crate::{
+    arguments::{CheckOptions, GraphSettings},
+    console,
+    failure::Failure,
+    session,
+};
+
+pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
+    let registry = session::registry()?;
+    let mut first = None;
+    for graph in &options.graphs {
+        let settings = GraphSettings { graph: graph.clone(), set: options.set.clone(), vars: None };
+        let checked = session::load(&settings, &registry)
+            .and_then(|compiled| needs_nothing_missing(&compiled).map(|()| compiled));
+        match checked {
+            Ok(compiled) => {
+                warn_of_files(&compiled);
+                console::result(&format!("{}: {} nodes, ok", graph.display(), compiled.graph.nodes().len()));
+            }
+            // Every graph is looked at; the first failure ends the command.
+            Err(failure) => match &first {
+                None => first = Some(failure),
+                Some(_) => {
+                    failure.report();
+                }
+            },
+        }
+    }
+    first.map_or(Ok(()), Err)
+}
+
+/// Placeholders are refused where a writer or a named output needs them.
+fn needs_nothing_missing(compiled: &Compiled) -> Result<(), Failure> {
+    let graph = &compiled.graph;
+    let mut stack: Vec<_> =
+        graph.writers().chain(compiled.outputs.values().map(|output| output.node)).collect();
+    let mut seen = vec![false; graph.nodes().len()];
+    while let Some(id) = stack.pop() {
+        if std::mem::replace(&mut seen[id.index()], true) {
+            continue;
+        }
+        if let Some(error) = compiled.missing.get(&id) {
+            return Err(error.clone().into());
+        }
+        stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
+    }
+    Ok(())
+}
+
+/// A file to read may be made later, so its absence is worth a word and no more.
+fn warn_of_files(compiled: &Compiled) {
+    for node in compiled.graph.nodes() {
+        let Action::Run { node_type, values, .. } = &node.action else { continue };
+        for (param, value) in node_type.spec().params.iter().zip(values) {
+            let (ParamKind::InputPath, ParamValue::Text(text)) = (&param.kind, value) else { continue };
+            match node.input_path(text) {
+                Ok(path) if !path.is_file() => {
+                    console::note(&format!(
+                        "warning: {}.{}: there is no file {}",
+                        node.name,
+                        param.name,
+                        path.display()
+                    ));
+                }
+                Ok(_) => {}
+                Err(error) => console::note(&format!("warning: {}.{}: {error}", node.name, param.name)),
+            }
+        }
+    }
+}

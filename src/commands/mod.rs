@@ -1,0 +1,10 @@
+//! The commands, one a file.
+
+pub(crate) mod cache;
+pub(crate) mod check;
+pub(crate) mod completions;
+pub(crate) mod graph;
+pub(crate) mod manual;
+pub(crate) mod nodes;
+pub(crate) mod run;
+pub(crate) mod sweep;

@@ -1,0 +1,259 @@
+//! `orograph run`: the outputs of a graph, as files, tables and a manifest.
+
+use std::sync::Arc;
+
+use orograph_core::{Value, ValueType};
+use orograph_engine::{
+    Compiled, Evaluator, Graph, NodeId, Outcome, OutputRef, Registry, Report, Request, cache::Tier,
+    eval::Planned,
+};
+
+use crate::{
+    arguments::RunOptions,
+    console,
+    failure::Failure,
+    manifest::{manifest, value_text},
+    progress, session,
+};
+
+pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
+    let registry = session::registry()?;
+    let compiled = session::load(&options.settings, &registry)?;
+    let targets = Targets::choose(compiled, &options.outputs, &registry)?;
+    if let Some((first, second, file)) = targets.graph.clash(&targets.writers) {
+        let name = |id: NodeId| targets.graph.node(id).name.clone();
+        return Err(Failure::usage(
+            format!("`{}` and `{}` would both write {file}", name(first), name(second)),
+            "give one of them another `file`",
+        ));
+    }
+    let evaluator = session::evaluator(&options.evaluation)?;
+    let request = Request {
+        graph: Arc::new(targets.graph),
+        outputs: targets.values.iter().map(|(_, output)| *output).collect(),
+        writers: targets.writers,
+        context: session::context(&options.evaluation),
+        out_dir: options.evaluation.out.clone(),
+        history: Some(std::path::absolute(&options.settings.graph).map_or_else(
+            |_| options.settings.graph.display().to_string(),
+            |path| path.display().to_string(),
+        )),
+    };
+    if options.dry_run {
+        tell_plan(&evaluator, &request);
+        return Ok(());
+    }
+    let cancel = session::cancel_on_signal();
+    let (observer, bar) = progress::observer(options.evaluation.quiet);
+    let report = evaluator.run(request, observer, &cancel);
+    if let Some(bar) = bar {
+        bar.finish_and_clear();
+    }
+    evaluator.flush();
+    if let Some(reason) = evaluator.cache().take_disk_failure() {
+        console::note(&format!("warning: results are kept in memory alone from here on: {reason}"));
+    }
+    let names = targets.values.into_iter().map(|(name, _)| name);
+    let results: Vec<_> = names.zip(report.values.iter().cloned()).collect();
+    tell_report(&report, options);
+    tell_results(&report, &results, options);
+    if report.was_cancelled() {
+        return Err(Failure::Cancelled);
+    }
+    if report.counts().failed > 0 { Err(Failure::Node) } else { Ok(()) }
+}
+
+/// What a run is to make of a graph.
+struct Targets {
+    graph: Graph,
+    writers: Vec<NodeId>,
+    /// Tables and scalars, to be printed.
+    values: Vec<(String, OutputRef)>,
+}
+
+impl Targets {
+    /// The outputs asked for, or every writer and every named table; a raster without a writer gets one.
+    fn choose(compiled: Compiled, asked: &[String], registry: &Registry) -> Result<Self, Failure> {
+        let mut writers = Vec::new();
+        let mut wanted: Vec<(String, OutputRef)> = Vec::new();
+        if asked.is_empty() {
+            writers.extend(compiled.graph.writers());
+            let alone = writers.is_empty();
+            wanted.extend(
+                compiled
+                    .outputs
+                    .iter()
+                    .filter(|(_, output)| alone || is_printed(&compiled.graph, **output))
+                    .map(|(name, output)| (name.clone(), *output)),
+            );
+            if alone && wanted.is_empty() {
+                return Err(Failure::usage(
+                    "the graph writes nothing and names no outputs",
+                    "ask for an output, such as `node.port`, or add a node that writes a file",
+                ));
+            }
+        }
+        for name in asked {
+            match compiled.graph.find(name) {
+                Some(id) if compiled.graph.node(id).spec().is_some_and(|spec| spec.writes) => {
+                    writers.push(id)
+                }
+                _ => wanted.push((name.clone(), compiled.output(name)?)),
+            }
+        }
+        let (values, rasters): (Vec<_>, Vec<_>) =
+            wanted.into_iter().partition(|(_, output)| is_printed(&compiled.graph, *output));
+        let mut targets = Self { graph: compiled.graph, writers, values };
+        for (name, output) in rasters {
+            targets.add_writer(&name, output, registry)?;
+        }
+        Ok(targets)
+    }
+
+    fn add_writer(&mut self, name: &str, output: OutputRef, registry: &Registry) -> Result<(), Failure> {
+        let Some(value_type) = type_of(&self.graph, output) else {
+            // Its node's type is unknown: asking for it says so.
+            self.values.push((name.to_owned(), output));
+            return Ok(());
+        };
+        let writer = registry.iter().find(|node_type| {
+            let spec = node_type.spec();
+            spec.default_writer && spec.inputs.first().is_some_and(|port| port.value_type == value_type)
+        });
+        let Some(writer) = writer else {
+            return Err(Failure::usage(
+                format!("`{name}` is a {value_type}, which no node writes by default"),
+                "add a node that turns it into something to write",
+            ));
+        };
+        let spec = writer.spec();
+        let values = spec
+            .params
+            .iter()
+            .map(|param| match (&param.kind, &param.default) {
+                (orograph_core::ParamKind::OutputPath, orograph_core::ParamValue::Text(file)) => {
+                    let extension = file.rsplit_once('.').map_or("bin", |(_, extension)| extension);
+                    orograph_core::ParamValue::Text(format!("{}.{extension}", name.replace('/', "-")))
+                }
+                (_, default) => default.clone(),
+            })
+            .collect();
+        let mut builder = std::mem::take(&mut self.graph).into_builder();
+        let wrong = |error: orograph_engine::GraphError| Failure::Other(error.to_string());
+        let id = builder.add(&format!("write {name}"), writer, values).map_err(wrong)?;
+        builder.wire(output, id, &spec.inputs[0].name).map_err(wrong)?;
+        self.graph = builder.build().map_err(wrong)?;
+        self.writers.push(id);
+        Ok(())
+    }
+}
+
+fn type_of(graph: &Graph, output: OutputRef) -> Option<ValueType> {
+    Some(graph.node(output.node).spec()?.outputs.get(output.output as usize)?.value_type)
+}
+
+fn is_printed(graph: &Graph, output: OutputRef) -> bool {
+    type_of(graph, output).is_some_and(|value_type| {
+        matches!(
+            value_type,
+            ValueType::Table | ValueType::Number | ValueType::Integer | ValueType::Boolean | ValueType::Text
+        )
+    })
+}
+
+fn tell_plan(evaluator: &Evaluator, request: &Request) {
+    let rows: Vec<_> = evaluator
+        .plan(request)
+        .into_iter()
+        .map(|(id, planned)| {
+            let node = request.graph.node(id);
+            let word = match planned {
+                Planned::Hit(Tier::Memory) => "in memory",
+                Planned::Hit(Tier::Disk) => "in the cache",
+                Planned::Run => "to compute",
+                Planned::Blocked => "blocked",
+            };
+            vec![
+                node.name.clone(),
+                node.spec().map_or("", |spec| spec.id.as_ref()).to_owned(),
+                word.to_owned(),
+            ]
+        })
+        .collect();
+    console::result(&console::columns(&rows));
+}
+
+/// Failures, warnings, and what `--explain` and `--timings` ask for.
+fn tell_report(report: &Report, options: &RunOptions) {
+    for node in &report.nodes {
+        for warning in node.warnings.iter().filter(|_| !options.evaluation.quiet) {
+            console::note(&format!("{}: {warning}", node.name));
+        }
+    }
+    for (node, error) in report.failures() {
+        if *error == orograph_core::Error::Cancelled {
+            continue;
+        }
+        console::error(&format!("node `{}` ({}): {error}", node.name, node.id));
+        console::hint(&error.hint().unwrap_or_default());
+    }
+    if options.explain {
+        let rows: Vec<_> = report
+            .nodes
+            .iter()
+            .map(|node| {
+                let why = match &node.outcome {
+                    Outcome::Computed => node.reason.clone().unwrap_or_default(),
+                    Outcome::Hit(_) if node.files.is_empty() => "its recipe is known".into(),
+                    Outcome::Hit(_) => "its files are in place".into(),
+                    Outcome::Cutoff(_) => "its inputs turned out as in an earlier run".into(),
+                    Outcome::Failed(error) => error.to_string(),
+                    Outcome::Skipped { because } => format!("`{because}` failed"),
+                };
+                vec![node.outcome.word().to_owned(), node.name.clone(), why]
+            })
+            .collect();
+        console::note(&console::columns(&rows));
+    }
+    if options.timings {
+        let mut nodes: Vec<_> = report.computed().collect();
+        nodes.sort_by(|a, b| b.micros.cmp(&a.micros).then_with(|| a.name.cmp(&b.name)));
+        let rows: Vec<_> = nodes
+            .iter()
+            .map(|node| {
+                let time = format!("{:9.3} ms", node.micros as f64 / 1e3);
+                vec![time, crate::size::text(node.bytes), node.name.clone(), node.id.clone()]
+            })
+            .collect();
+        console::note(&console::columns(&rows));
+    }
+}
+
+fn tell_results(report: &Report, results: &[(String, Option<Value>)], options: &RunOptions) {
+    if options.json {
+        let text = serde_json::to_string_pretty(&manifest(report, results)).unwrap_or_default();
+        console::result(&text);
+        return;
+    }
+    for (name, value) in results {
+        if let Some(text) = value.as_ref().and_then(value_text) {
+            console::result(&format!("{name}:"));
+            for line in text.lines() {
+                console::result(&format!("  {line}"));
+            }
+        }
+    }
+    for file in report.nodes.iter().flat_map(|node| &node.files) {
+        console::result(&options.evaluation.out.join(&file.name).display().to_string());
+    }
+    if !options.evaluation.quiet {
+        let counts = report.counts();
+        console::note(&format!(
+            "{} computed, {} found in the cache{}{}",
+            counts.computed,
+            counts.hits,
+            if counts.failed > 0 { format!(", {} failed", counts.failed) } else { String::new() },
+            if counts.skipped > 0 { format!(", {} skipped", counts.skipped) } else { String::new() },
+        ));
+    }
+}

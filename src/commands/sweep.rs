@@ -1,0 +1,7 @@
+//! stub
+
+use crate::{arguments::SweepOptions, failure::Failure};
+
+pub(crate) fn run(_: &SweepOptions) -> Result<(), Failure> {
+    Err(Failure::Other("not yet".into()))
+}
