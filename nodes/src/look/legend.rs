@@ -27,7 +27,7 @@ pub struct Legend<'a> {
 /// [`Error::TooLarge`] when `job` does not admit the memory.
 pub fn with_legend(picture: &Texture, legend: &Legend<'_>, job: &Job) -> Result<Texture> {
     let grid = picture.grid();
-    let scale = (grid.rows / 700).clamp(1, 8) as u32;
+    let scale = (grid.rows / 500).clamp(1, 8) as u32;
     let face = Type { bold: false, scale };
     let s = i64::from(scale);
     let height = grid.rows.max(120) as i64;

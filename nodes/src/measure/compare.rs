@@ -16,7 +16,7 @@ use super::sums::{Moments, per_row};
 #[derive(Params, Clone, Debug)]
 pub struct Compare {
     /// Half the breadth of the band along the mask's edge over which roughness at the rim is measured.
-    #[param(default = 1u32, range = 1..=64, slider = 1..=8, unit = "cells")]
+    #[param(default = 1u32, range = 1..=8, slider = 1..=4, unit = "cells")]
     pub rim: u32,
 }
 
@@ -297,5 +297,20 @@ mod tests {
         let inputs = CompareIn { terrain: &infinite, reference: &voids, known: None, mask: None };
         let out = Compare::default().run(inputs, &Job::detached());
         assert!(matches!(out, Err(Error::NonFinite { row: 0, col: 1, .. })));
+    }
+
+    #[test]
+    fn metrics_have_the_same_bits_on_any_number_of_threads() {
+        let noise = |row: usize, col: usize| orograph_core::gaussian(1, 2, row as i64, col as i64);
+        let reference = field(70, 50, |row, col| 1000.0 + 30.0 * noise(row, col));
+        let terrain = field(70, 50, |row, col| 1000.0 + 30.0 * noise(row, col + 1));
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            let inputs = CompareIn { terrain: &terrain, reference: &reference, known: None, mask: None };
+            let out = pool.install(|| Compare::default().run(inputs, &Job::detached())).unwrap();
+            Value::Table(out.metrics.into()).digest()
+        };
+        assert_eq!(on(1), on(2));
+        assert_eq!(on(1), on(8));
     }
 }
