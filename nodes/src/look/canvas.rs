@@ -27,10 +27,17 @@ pub struct Type {
 }
 
 impl Type {
-    /// Plain text without enlargement.
-    pub const PLAIN: Self = Self { bold: false, scale: 1 };
-    /// Bold text without enlargement.
-    pub const BOLD: Self = Self { bold: true, scale: 1 };
+    /// Plain text, enlarged `scale` times.
+    #[must_use]
+    pub const fn plain(scale: u32) -> Self {
+        Self { bold: false, scale }
+    }
+
+    /// Bold text, enlarged `scale` times.
+    #[must_use]
+    pub const fn bold(scale: u32) -> Self {
+        Self { bold: true, scale }
+    }
 
     fn font(self) -> &'static MonoFont<'static> {
         if self.bold { &fonts::FONT_8X13_BOLD } else { &fonts::FONT_7X13 }
@@ -290,7 +297,7 @@ mod tests {
         canvas.line(DVec2::new(-1e9, 3.0), DVec2::new(1e9, 3.0), 1.0, BLACK);
         canvas.line(DVec2::new(f64::NAN, 3.0), DVec2::new(1.0, 3.0), 1.0, BLACK);
         canvas.fill(-5, -5, i64::MAX, 7, BLACK);
-        canvas.text("far away", 15, 9, Anchor::Left, Type::BOLD, BLACK);
+        canvas.text("far away", 15, 9, Anchor::Left, Type::bold(1), BLACK);
         assert_eq!(canvas.picture.at(1, 0), BLACK);
         assert_eq!(canvas.picture.at(3, 10), BLACK);
         assert_eq!(canvas.picture.at(2, 3), WHITE);
@@ -301,8 +308,8 @@ mod tests {
         let job = Job::detached();
         let mut across = Canvas::new(61, 61, WHITE, &job).unwrap();
         let mut upwards = Canvas::new(61, 61, WHITE, &job).unwrap();
-        across.text("Agy", 30, 30, Anchor::Middle, Type::PLAIN, BLACK);
-        upwards.text_upwards("Agy", 30, 30, Type::PLAIN, BLACK);
+        across.text("Agy", 30, 30, Anchor::Middle, Type::plain(1), BLACK);
+        upwards.text_upwards("Agy", 30, 30, Type::plain(1), BLACK);
         assert!(across.picture.cells().contains(&BLACK));
         for i in 0..61 * 61 {
             let (row, col) = (i / 61, i % 61);

@@ -138,92 +138,120 @@ impl Chart {
         let points = || self.series.iter().flat_map(|series| &series.points);
         let x = Scale::new(&self.x, points().map(|point| point.x));
         let y = Scale::new(&self.y, points().map(|point| point.y));
-        let (across, up) = (x.ticks(width as f64 / 100.0), y.ticks(height as f64 / 60.0));
+        let s = self.scale();
+        let (across, up) = (x.ticks((width / (100 * s)) as f64), y.ticks((height / (60 * s)) as f64));
 
-        let widest = up.iter().map(|tick| Type::PLAIN.width(&tick.label)).max().unwrap_or(0);
-        let left = 16 + widest + if self.y.label.is_empty() { 0 } else { 22 };
-        let bottom = 30 + if self.x.label.is_empty() { 0 } else { 20 };
-        let top = self.heading(&mut canvas, left, width - 20);
-        let frame = Frame { left, top, width: width - left - 20, height: height - top - bottom };
+        let widest = up.iter().map(|tick| self.plain().width(&tick.label)).max().unwrap_or(0);
+        let left = 16 * s + widest + if self.y.label.is_empty() { 0 } else { 22 * s };
+        let bottom = 30 * s + if self.x.label.is_empty() { 0 } else { 20 * s };
+        let top = self.heading(&mut canvas, left, width - 20 * s);
+        let frame = Frame { left, top, width: width - left - 20 * s, height: height - top - bottom };
         if frame.width < 8 || frame.height < 8 {
             return Ok(canvas.into_picture());
         }
 
         for tick in &across {
             let at = frame.x(x.share(tick.value));
-            canvas.fill(at, top, 1, frame.height, if tick.label.is_empty() { FINE_GRID } else { GRID });
+            canvas.fill(
+                at - s / 2,
+                top,
+                s,
+                frame.height,
+                if tick.label.is_empty() { FINE_GRID } else { GRID },
+            );
         }
         for tick in &up {
             let at = frame.y(y.share(tick.value));
-            canvas.fill(left, at, frame.width, 1, if tick.label.is_empty() { FINE_GRID } else { GRID });
+            canvas.fill(
+                left,
+                at - s / 2,
+                frame.width,
+                s,
+                if tick.label.is_empty() { FINE_GRID } else { GRID },
+            );
         }
         for (i, series) in self.series.iter().enumerate() {
             job.check()?;
             let places: Vec<_> =
                 series.points.iter().map(|point| frame.place(x.share(point.x), y.share(point.y))).collect();
-            draw_series(&mut canvas, series.style, &places, &frame, SERIES[i % SERIES.len()], job)?;
+            let pen = Pen { style: series.style, colour: SERIES[i % SERIES.len()], scale: s as f64 };
+            draw_series(&mut canvas, pen, &places, &frame, job)?;
         }
         self.axes(&mut canvas, &frame, (&x, &across), (&y, &up));
         Ok(canvas.into_picture())
     }
 
+    /// Whole enlargement of text, lines and margins: large pictures are looked at from further away.
+    fn scale(&self) -> i64 {
+        i64::from((self.width / 700).min(self.height / 400)).clamp(1, 8)
+    }
+
+    fn plain(&self) -> Type {
+        Type::plain(self.scale() as u32)
+    }
+
     /// Title and legend; returns where the frame may begin.
     fn heading(&self, canvas: &mut Canvas, left: i64, right: i64) -> i64 {
-        let mut top = 14;
+        let (s, plain) = (self.scale(), self.plain());
+        let bold = Type::bold(plain.scale);
+        let mut top = 14 * s;
         if !self.title.is_empty() {
-            let title = Type::BOLD.fit(&self.title, right - left);
-            canvas.text(title, left, top + 4, Anchor::Left, Type::BOLD, INK);
-            top += 24;
+            let title = bold.fit(&self.title, right - left);
+            canvas.text(title, left, top + 4 * s, Anchor::Left, bold, INK);
+            top += 24 * s;
         }
         let named: Vec<_> =
             self.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()).collect();
         let mut x = left;
         for (i, series) in &named {
-            let name = Type::PLAIN.fit(&series.name, right - left - 30);
-            let wide = 30 + Type::PLAIN.width(name);
+            let name = plain.fit(&series.name, right - left - 30 * s);
+            let wide = 30 * s + plain.width(name);
             if x > left && x + wide > right {
-                (x, top) = (left, top + 17);
+                (x, top) = (left, top + 17 * s);
             }
-            let colour = SERIES[i % SERIES.len()];
-            let middle = DVec2::new(x as f64 + 11.0, top as f64);
-            if series.style != Style::Dots {
-                canvas.line(middle - DVec2::X * 10.0, middle + DVec2::X * 10.0, 2.0, colour);
-            }
-            if matches!(series.style, Style::Dots | Style::Marked) {
-                canvas.disc(middle, 3.0, colour);
-            }
-            canvas.text(name, x + 28, top, Anchor::Left, Type::PLAIN, INK);
-            x += wide + 18;
+            let pen = Pen { style: series.style, colour: SERIES[i % SERIES.len()], scale: s as f64 };
+            let start = DVec2::new((x + s) as f64, top as f64);
+            let end = start + DVec2::X * 20.0 * pen.scale;
+            pen.stroke(canvas, start, end);
+            pen.mark(canvas, start.midpoint(end));
+            canvas.text(name, x + 28 * s, top, Anchor::Left, plain, INK);
+            x += wide + 18 * s;
         }
-        if named.is_empty() { top } else { top + 17 }
+        if named.is_empty() { top } else { top + 17 * s }
     }
 
     fn axes(&self, canvas: &mut Canvas, frame: &Frame, across: (&Scale, &[Tick]), up: (&Scale, &[Tick])) {
+        let (s, plain) = (self.scale(), self.plain());
         let (left, top) = (frame.left, frame.top);
         let (right, bottom) = (left + frame.width, top + frame.height);
-        canvas.frame(left - 1, top - 1, frame.width + 2, frame.height + 2, INK);
+        for i in 1..=s {
+            canvas.frame(left - i, top - i, frame.width + 2 * i, frame.height + 2 * i, INK);
+        }
+        let long = |tick: &Tick| if tick.label.is_empty() { 3 * s } else { 5 * s };
+        // Neighbouring labels never touch.
         let mut free = i64::MIN;
         for tick in across.1 {
             let at = frame.x(across.0.share(tick.value));
-            let (long, half) =
-                (if tick.label.is_empty() { 3 } else { 5 }, Type::PLAIN.width(&tick.label) / 2);
-            canvas.fill(at, bottom + 1, 1, long, INK);
-            // Neighbouring labels never touch.
+            let half = plain.width(&tick.label) / 2;
+            canvas.fill(at - s / 2, bottom + s, s, long(tick), INK);
             if at - half > free && !tick.label.is_empty() {
-                canvas.text(&tick.label, at, bottom + 15, Anchor::Middle, Type::PLAIN, INK);
-                free = at + half + 6;
+                canvas.text(&tick.label, at, bottom + 15 * s, Anchor::Middle, plain, INK);
+                free = at + half + 6 * s;
             }
         }
+        let mut free = i64::MAX;
         for tick in up.1 {
             let at = frame.y(up.0.share(tick.value));
-            let long = if tick.label.is_empty() { 3 } else { 5 };
-            canvas.fill(left - 1 - long, at, long, 1, INK);
-            canvas.text(&tick.label, left - 9, at, Anchor::Right, Type::PLAIN, INK);
+            canvas.fill(left - s - long(tick), at - s / 2, long(tick), s, INK);
+            if at + plain.height() / 2 <= free {
+                canvas.text(&tick.label, left - 9 * s, at, Anchor::Right, plain, INK);
+                free = if tick.label.is_empty() { free } else { at - plain.height() / 2 };
+            }
         }
-        let label = Type::PLAIN.fit(&self.x.label, frame.width);
-        canvas.text(label, (left + right) / 2, bottom + 35, Anchor::Middle, Type::PLAIN, INK);
-        let label = Type::PLAIN.fit(&self.y.label, frame.height);
-        canvas.text_upwards(label, 14, (top + bottom) / 2, Type::PLAIN, INK);
+        let label = plain.fit(&self.x.label, frame.width);
+        canvas.text(label, (left + right) / 2, bottom + 35 * s, Anchor::Middle, plain, INK);
+        let label = plain.fit(&self.y.label, frame.height);
+        canvas.text_upwards(label, 14 * s, (top + bottom) / 2, plain, INK);
     }
 }
 
@@ -252,16 +280,31 @@ impl Frame {
     }
 }
 
-fn draw_series(
-    canvas: &mut Canvas,
+/// How one series is drawn.
+#[derive(Clone, Copy)]
+struct Pen {
     style: Style,
-    places: &[DVec2],
-    frame: &Frame,
     colour: Colour,
-    job: &Job,
-) -> Result<()> {
-    if style == Style::Area {
-        let [r, g, b, _] = colour;
+    scale: f64,
+}
+
+impl Pen {
+    fn stroke(self, canvas: &mut Canvas, from: DVec2, to: DVec2) {
+        if self.style != Style::Dots {
+            canvas.line(from, to, 1.6 * self.scale, self.colour);
+        }
+    }
+
+    fn mark(self, canvas: &mut Canvas, at: DVec2) {
+        if matches!(self.style, Style::Dots | Style::Marked) && at.is_finite() {
+            canvas.disc(at, 3.2 * self.scale, self.colour);
+        }
+    }
+}
+
+fn draw_series(canvas: &mut Canvas, pen: Pen, places: &[DVec2], frame: &Frame, job: &Job) -> Result<()> {
+    if pen.style == Style::Area {
+        let [r, g, b, _] = pen.colour;
         let floor = frame.top + frame.height;
         for pair in places.windows(2).filter(|pair| pair[0].is_finite() && pair[1].is_finite()) {
             job.check()?;
@@ -272,17 +315,13 @@ fn draw_series(
             }
         }
     }
-    if style != Style::Dots {
-        for pair in places.windows(2) {
-            job.check()?;
-            canvas.line(pair[0], pair[1], 1.6, colour);
-        }
+    for pair in places.windows(2) {
+        job.check()?;
+        pen.stroke(canvas, pair[0], pair[1]);
     }
-    if matches!(style, Style::Dots | Style::Marked) {
-        for &place in places.iter().filter(|place| place.is_finite()) {
-            job.check()?;
-            canvas.disc(place, 3.2, colour);
-        }
+    for &place in places {
+        job.check()?;
+        pen.mark(canvas, place);
     }
     Ok(())
 }

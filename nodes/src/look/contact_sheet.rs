@@ -71,11 +71,15 @@ impl Node for ContactSheet {
         let place = sizes.iter().fold((1, 1), |most, size| (most.0.max(size.0), most.1.max(size.1)));
 
         let gap = i64::from(self.spacing);
-        let caption = if labels.is_empty() { 0 } else { Type::PLAIN.height() + 8 };
-        let head = if self.title.is_empty() { 0 } else { Type::BOLD.height() + 12 };
+        // Large pictures are looked at from further away.
+        let scale = (self.size / 600).max(1);
+        let (plain, bold) = (Type::plain(scale), Type::bold(scale));
+        let s = i64::from(scale);
+        let caption = if labels.is_empty() { 0 } else { plain.height() + 8 * s };
+        let head = if self.title.is_empty() { 0 } else { bold.height() + 12 * s };
         let (wide, high) = (place.0 as i64 + gap, place.1 as i64 + caption + gap);
         let mut canvas = Canvas::new(gap + columns * wide, gap + head + rows * high, PAPER, job)?;
-        canvas.text(&self.title, gap, gap + head / 2 - 4, Anchor::Left, Type::BOLD, INK);
+        canvas.text(&self.title, gap, gap + bold.height() / 2, Anchor::Left, bold, INK);
         for (i, (picture, size)) in pictures.iter().zip(sizes).enumerate() {
             job.check()?;
             let (col, row) = (i as i64 % columns, i as i64 / columns);
@@ -85,10 +89,10 @@ impl Node for ContactSheet {
             canvas.paste(&scaled(picture, size, job)?, x, y);
             canvas.frame(x - 1, y - 1, size.0 as i64 + 2, size.1 as i64 + 2, HAIRLINE);
             if let Some(label) = labels.get(i) {
-                let label = Type::PLAIN.fit(label, place.0 as i64);
+                let label = plain.fit(label, place.0 as i64);
                 let middle = left + place.0 as i64 / 2;
-                let below = top + place.1 as i64 + 4 + Type::PLAIN.height() / 2;
-                canvas.text(label, middle, below, Anchor::Middle, Type::PLAIN, INK);
+                let below = top + place.1 as i64 + 4 * s + plain.height() / 2;
+                canvas.text(label, middle, below, Anchor::Middle, plain, INK);
             }
         }
         Ok(ContactSheetOut { picture: canvas.into_picture() })

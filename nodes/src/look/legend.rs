@@ -28,7 +28,7 @@ pub struct Legend<'a> {
 pub fn with_legend(picture: &Texture, legend: &Legend<'_>, job: &Job) -> Result<Texture> {
     let grid = picture.grid();
     let scale = (grid.rows / 500).clamp(1, 8) as u32;
-    let face = Type { bold: false, scale };
+    let face = Type::plain(scale);
     let s = i64::from(scale);
     let height = grid.rows.max(120) as i64;
     let (margin, head) = (12 * s, 30 * s);
