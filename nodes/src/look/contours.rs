@@ -81,9 +81,10 @@ impl Node for Contours {
         }
         let ink = colour::parse("colour", &self.colour)?;
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
-            for (col, pixel) in out.iter_mut().enumerate() {
+            let covered = self.coverage(terrain, row);
+            for (col, (pixel, share)) in out.iter_mut().zip(covered).enumerate() {
                 let under = onto.map_or(PAPER, |onto| onto.at(row, col));
-                *pixel = blend(under, ink, self.coverage(terrain, row, col));
+                *pixel = blend(under, ink, share);
             }
             Ok(())
         })?;
@@ -97,51 +98,57 @@ impl Contours {
         (self.width.max(self.index_width) / 2.0 + 0.5).ceil() as usize
     }
 
-    /// How much of a pixel the nearest lines cover.
-    fn coverage(&self, terrain: &Heightfield, row: usize, col: usize) -> f64 {
+    /// How much of each pixel of a row the nearest lines cover.
+    fn coverage(&self, terrain: &Heightfield, row: usize) -> Vec<f64> {
         let (rows, cols) = terrain.grid().size();
         let reach = self.reach();
-        let mut covered: f64 = 0.0;
+        let mut covered: Vec<f64> = vec![0.0; cols];
         for top in row.saturating_sub(reach)..(row + reach).min(rows.saturating_sub(1)) {
-            for left in col.saturating_sub(reach)..(col + reach).min(cols.saturating_sub(1)) {
-                let square = [
-                    terrain.at(top, left),
-                    terrain.at(top, left + 1),
-                    terrain.at(top + 1, left + 1),
-                    terrain.at(top + 1, left),
-                ];
-                let at = DVec2::new(col as f64 - left as f64, row as f64 - top as f64);
-                covered = covered.max(self.coverage_of_square(square.map(f64::from), at));
+            let (north, south) = (terrain.row(top).windows(2), terrain.row(top + 1).windows(2));
+            for (left, (north, south)) in north.zip(south).enumerate() {
+                let square = [north[0], north[1], south[1], south[0]].map(f64::from);
+                let Some(levels) = self.levels(square) else { continue };
+                let (first, end) = ((left + 1).saturating_sub(reach), (left + reach + 1).min(cols));
+                let start = DVec2::new(first as f64 - left as f64, row as f64 - top as f64);
+                self.cover(square, levels, start, &mut covered[first..end]);
             }
         }
         covered
     }
 
-    /// How much the lines in a square, corners clockwise from the north-west, cover of the pixel at `at`.
-    fn coverage_of_square(&self, square: [f64; 4], at: DVec2) -> f64 {
+    /// The numbers of the lines just below the lowest and the highest corner of a square; `None` where no
+    /// line crosses it.
+    fn levels(&self, square: [f64; 4]) -> Option<(f64, f64)> {
         let level = |height: f64| ((height - self.base) / self.interval).floor();
         let [a, b, c, d] = square.map(level);
         let (lowest, highest) = (a.min(b).min(c.min(d)), a.max(b).max(c.max(d)));
-        if lowest == highest || square.iter().any(|height| !height.is_finite()) {
-            return 0.0;
-        }
+        (lowest != highest && square.iter().all(|height| height.is_finite())).then_some((lowest, highest))
+    }
+
+    /// Raises what is covered of a run of pixels, the first of which lies at `start`, by the lines in a
+    /// square whose corners run clockwise from (0, 0).
+    fn cover(&self, square: [f64; 4], levels: (f64, f64), start: DVec2, covered: &mut [f64]) {
+        let (lowest, highest) = levels;
+        let mut raise = |share: &dyn Fn(DVec2) -> f64| {
+            for (i, covered) in covered.iter_mut().enumerate() {
+                *covered = covered.max(share(start + DVec2::X * i as f64));
+            }
+        };
         if highest - lowest > MOST_LEVELS {
-            let inside = at.x >= 0.0 && at.x <= 1.0 && at.y >= 0.0 && at.y <= 1.0;
-            return if inside { 1.0 } else { 0.0 };
+            let inside = |at: DVec2| at.cmpge(DVec2::ZERO).all() && at.cmple(DVec2::ONE).all();
+            return raise(&|at| if inside(at) { 1.0 } else { 0.0 });
         }
-        let mut covered: f64 = 0.0;
         for step in 1..=(highest - lowest) as u32 {
             let line = lowest + f64::from(step);
             let every = f64::from(self.index_every);
             let index = every > 0.0 && line - (line / every).floor() * every == 0.0;
             let width = if index { self.index_width } else { self.width };
+            // A line thinner than a pixel is paler, not narrower: it never falls between pixels.
+            let (reach, ink) = (width.max(1.0) / 2.0 + 0.5, width.min(1.0));
             for (from, to) in segments(square, self.base + line * self.interval).into_iter().flatten() {
-                // A line thinner than a pixel is paler, not narrower: it never falls between pixels.
-                let far = distance_to_segment(at, from, to);
-                covered = covered.max((width.max(1.0) / 2.0 + 0.5 - far).clamp(0.0, 1.0) * width.min(1.0));
+                raise(&|at| (reach - distance_to_segment(at, from, to)).clamp(0.0, 1.0) * ink);
             }
         }
-        covered
     }
 }
 
