@@ -39,7 +39,8 @@ pub struct Hillshade {
     /// One sun or several.
     #[param(default = Light::Single)]
     pub light: Light,
-    /// How far shading darkens the picture that it is laid over: 0 not at all, 1 wholly. Without such a picture it has no effect.
+    /// How far shading darkens the picture that it is laid over: 0 not at all, 1 wholly. Without
+    /// such a picture it has no effect.
     #[param(default = 1, range = 0.0..=1.0, unit = "1")]
     pub strength: f64,
     /// Colour of voids without a picture beneath, `#rrggbb` or `#rrggbbaa`.

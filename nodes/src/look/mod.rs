@@ -77,7 +77,7 @@ mod tests {
     fn hills(rows: usize, cols: usize) -> Heightfield {
         field(rows, cols, |row, col| {
             let bits = orograph_core::key(5, 6, row as i64, col as i64);
-            if bits % 23 == 0 { f64::NAN } else { 60.0 + 40.0 * orograph_core::signed_unit(bits) }
+            if bits.is_multiple_of(23) { f64::NAN } else { 60.0 + 40.0 * orograph_core::signed_unit(bits) }
         })
     }
 

@@ -29,7 +29,8 @@ pub struct Plot {
     /// Names of the columns to draw, separated by `;` or line ends; every other column of numbers when empty.
     #[param(default = "")]
     pub y: String,
-    /// Names of the drawn columns in the legend, in order, separated by `;` or line ends; their own when left out.
+    /// Names of the drawn columns in the legend, in order, separated by `;` or line ends; their
+    /// own when left out.
     #[param(default = "")]
     pub labels: String,
     /// How points are drawn.

@@ -8,10 +8,12 @@ use orograph_core::{Unit, prelude::*};
 /// rows hold NaN or an empty text.
 #[derive(Params, Clone, Debug)]
 pub struct Append {
-    /// Labels of the tables, in order, separated by `;` or line ends. A table without one is labelled with its place, from 1.
+    /// Labels of the tables, in order, separated by `;` or line ends. A table without one
+    /// is labelled with its place, from 1.
     #[param(default = "")]
     pub labels: String,
-    /// Name of the column of labels, which comes first; no such column when empty. Labels that are all numbers make a column of numbers.
+    /// Name of the column of labels, which comes first; no such column when empty. Labels that
+    /// are all numbers make a column of numbers.
     #[param(default = "label")]
     pub label_column: String,
 }
