@@ -65,11 +65,36 @@ fn continue_plane(window: &mut [f64; 9]) {
 /// Rise per metre towards the east (x) and the north (y) at a cell, in m/m; `None` where the cell is a void.
 #[must_use]
 pub fn gradient(terrain: &Heightfield, row: usize, col: usize) -> Option<DVec2> {
-    let [nw, n, ne, w, _, e, sw, s, se] = window(terrain, row, col)?;
     let cell = terrain.grid().cell;
+    let per_metre = |rise: DVec2| DVec2::new(rise.x / (8.0 * cell.x), rise.y / (8.0 * cell.y));
+    // Nearly every cell has all its neighbours; a missing one shows in the sums, since f32 heights cannot
+    // overflow them.
+    if let Some(window) = inner_window(terrain, row, col) {
+        let rise = differences(&window);
+        if (rise.x + rise.y + window[4]).is_finite() {
+            return Some(per_metre(rise));
+        }
+    }
+    window(terrain, row, col).map(|window| per_metre(differences(&window)))
+}
+
+/// Horn's weighted differences, east less west and north less south: eight cells' rise.
+fn differences(&[nw, n, ne, w, _, e, sw, s, se]: &[f64; 9]) -> DVec2 {
     let east = (ne + 2.0 * e + se) - (nw + 2.0 * w + sw);
     let north = (nw + 2.0 * n + ne) - (sw + 2.0 * s + se);
-    Some(DVec2::new(east / (8.0 * cell.x), north / (8.0 * cell.y)))
+    DVec2::new(east, north)
+}
+
+/// The heights around a cell as they are; `None` on the border.
+fn inner_window(terrain: &Heightfield, row: usize, col: usize) -> Option<[f64; 9]> {
+    let (rows, cols) = terrain.grid().size();
+    if row == 0 || col == 0 || row + 1 >= rows || col + 1 >= cols {
+        return None;
+    }
+    let start = (row - 1) * cols + col - 1;
+    let line = |start: usize| terrain.cells().get(start..).and_then(|cells| cells.first_chunk::<3>());
+    let ([a, b, c], [d, e, f], [g, h, i]) = (line(start)?, line(start + cols)?, line(start + 2 * cols)?);
+    Some([*a, *b, *c, *d, *e, *f, *g, *h, *i].map(f64::from))
 }
 
 /// Steepness of a gradient, in degrees from the level: 0 to 90.
@@ -116,6 +141,23 @@ mod tests {
                     None => assert!(voids.contains(&i)),
                 }
             }
+        }
+    }
+
+    #[test]
+    fn the_short_way_gives_the_bits_of_the_long_one() {
+        let noise = |i: usize| orograph_core::gaussian(3, 4, i as i64, 0) as f32 * 100.0;
+        let grid = Grid::new(9, 11, CellSize { x: 30.0, y: 20.0 }).unwrap();
+        let mut cells: Vec<f32> = (0..99).map(noise).collect();
+        (cells[37], cells[60], cells[63]) = (f32::NAN, f32::INFINITY, f32::NEG_INFINITY);
+        let terrain = Heightfield::new(grid, cells).unwrap();
+        for i in 0..99 {
+            let long = window(&terrain, i / 11, i % 11).map(|window| {
+                let rise = differences(&window);
+                DVec2::new(rise.x / 240.0, rise.y / 160.0)
+            });
+            assert_eq!(gradient(&terrain, i / 11, i % 11), long, "cell {i}");
+            assert!(long.is_none_or(DVec2::is_finite));
         }
     }
 
