@@ -64,6 +64,8 @@ impl Compiler<'_> {
         let full = format!("{}{name}", self.scopes[scope].prefix);
         // Ports that something is wired to, or was meant to be.
         let mut wired = Vec::new();
+        // A slip of the pen is told as such, not again as an input without wire.
+        let mut has_slip = !node.extra.is_empty();
         for (port, links) in &node.inputs {
             let to_type = match &spec {
                 None => None,
@@ -72,6 +74,7 @@ impl Compiler<'_> {
                         let message = format!("`{id}` has no input `{port}`");
                         let error = document.error_at_key(&["nodes", name, "inputs", port], message);
                         self.report(error.help(suggest(port, names(&spec.inputs), "inputs")));
+                        has_slip = true;
                         continue;
                     };
                     Some(input.value_type)
@@ -110,7 +113,7 @@ impl Compiler<'_> {
                 }
             }
         }
-        if target.is_none() {
+        if target.is_none() || has_slip {
             return;
         }
         for input in spec.iter().flat_map(|spec| &spec.inputs) {
