@@ -213,7 +213,7 @@ fn many_faults_are_told_at_once() {
     let text = "(format: 1, doc: 1, nodes: {\"a\": 1, \"b\": (node: 2), \"c c\": (node: \"x\")}, colour: 3)";
     let errors = Document::parse(text, "x.ron").unwrap_err();
     let columns: Vec<_> = errors.errors().iter().filter_map(|error| error.column()).collect();
-    assert_eq!(columns, [74, 18, 34, 49, 53]);
+    assert_eq!(columns, [18, 34, 49, 53, 74]);
     let many: String = (0..100).map(|index| format!("\"n{index}\": 1, ")).collect();
     let errors = Document::parse(&format!("(format: 1, nodes: {{{many}}})"), "x.ron").unwrap_err();
     assert_eq!(errors.errors().len(), orograph_engine::DocumentErrors::MOST);

@@ -7,6 +7,8 @@
 mod path;
 mod scope;
 mod settings;
+mod typed;
+mod values;
 mod wires;
 
 use std::path::{Path, PathBuf};
@@ -243,7 +245,7 @@ impl Compiler<'_> {
     }
 
     /// Exposed parameters of the outermost document, with their values.
-    fn exposed(&mut self, values: &settings::Values) -> IndexMap<String, ExposedParam> {
+    fn exposed(&mut self, values: &values::Values) -> IndexMap<String, ExposedParam> {
         let Some(root) = self.scopes.first() else { return IndexMap::new() };
         let document = root.document.clone();
         let mut exposed = IndexMap::new();

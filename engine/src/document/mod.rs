@@ -7,7 +7,8 @@
 mod error;
 mod literal;
 mod read;
-pub(crate) mod syntax;
+mod syntax;
+mod types;
 mod write;
 
 use std::{fmt, io::Read, ops::Range, path::Path, sync::Arc};
@@ -19,6 +20,7 @@ pub(crate) use error::SourceText;
 pub use error::{DocumentError, DocumentErrors};
 pub use literal::Literal;
 pub(crate) use literal::quote;
+pub(crate) use read::NODE_FIELDS;
 use syntax::{Shape, Tree};
 pub(crate) use write::node_ron;
 
@@ -289,7 +291,7 @@ impl Document {
         let source = self.source.as_ref()?;
         let text = source.text.text();
         let nodes = find(&source.tree, text, "nodes")?;
-        let tree = &find(&nodes.1, text, name)?.1;
+        let tree = &find(nodes.1, text, name)?.1;
         let node = read::node_of(&source.text, tree)?;
         (self.nodes.get(name) == Some(&node)).then(|| &text[tree.span.clone()])
     }

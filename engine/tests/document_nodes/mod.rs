@@ -170,5 +170,5 @@ pub(crate) fn registry() -> Registry {
         NodeType::of::<Shade>(),
         NodeType::of::<Sheet>(),
     ])
-    .unwrap()
+    .expect("ids differ")
 }
