@@ -508,3 +508,50 @@ fn subgraphs_do_not_multiply_without_end() {
     let errors = build(&files, &[]).err().unwrap();
     assert!(errors.to_string().contains("deeper than 32 levels"), "{errors}");
 }
+
+/// Each of these took a time quadratic in the number of nodes once; a slow one would not end here.
+#[test]
+fn large_graphs_and_many_faults_stay_cheap() {
+    let many = |node: &dyn Fn(usize) -> String| {
+        let nodes: Vec<_> = (0..50_000).map(node).collect();
+        graph(&nodes.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let links = many(&|i| format!(r#""n{i}": (node: "look.shade", inputs: {{"terrain": "m{i}.terrain"}})"#));
+    assert!(one(&links).is_err());
+    let unknown = many(&|i| format!(r#""n{i}": (node: "some.node{i}", inputs: {{"a": "n0.b"}})"#));
+    // The first is linked to itself.
+    assert!(one(&unknown).err().is_some_and(|errors| errors.to_string().contains("a cycle: n0 → n0")));
+    let chain = many(&|i| match i {
+        0 => r#""n0": (node: "io.read")"#.into(),
+        _ => format!(r#""n{i}": (node: "filter.smooth", inputs: {{"terrain": "n{}.terrain"}})"#, i - 1),
+    });
+    assert_eq!(one(&chain).unwrap().graph.nodes().len(), 50_000);
+    let bypassed = chain.replace("filter.smooth\"", "filter.smooth\", bypass: true");
+    assert!(
+        one(&bypassed).err().is_some_and(|errors| errors.to_string().contains("more than 1000 bypassed"))
+    );
+}
+
+proptest::proptest! {
+    #[test]
+    fn no_document_panics(
+        mutations in proptest::collection::vec((0..2000_usize, 0..2000_usize, 1..12_usize), 1..6),
+    ) {
+        // Pieces of graphs in the wrong places: much of that still reads.
+        let mut texts = [CHAIN.to_owned(), OUTER.to_owned(), MIDDLE.to_owned(), INNER.to_owned()];
+        for (from, to, len) in mutations {
+            let piece: String = texts[from % 4].chars().skip(from / 4).take(len).collect();
+            let target = &mut texts[to % 4];
+            let at = (to / 4).min(target.len());
+            let end = (at + if from % 2 == 0 { len } else { 0 }).min(target.len());
+            if target.is_char_boundary(at) && target.is_char_boundary(end) {
+                target.replace_range(at..end, &piece);
+            }
+        }
+        let [chain, outer, middle, inner] = &texts;
+        for main in [chain, outer, inner] {
+            let files = [("main.ron", main.as_str()), ("lib/middle.ron", middle), ("lib/deep/inner.ron", inner)];
+            let _ = build(&files, &[("reach", "5"), ("smooth.radius", "7")]);
+        }
+    }
+}

@@ -152,6 +152,7 @@ pub fn compile(
         builder: GraphBuilder::new(),
         places: IndexMap::new(),
         missing: IndexMap::new(),
+        stand_ins: IndexMap::new(),
         errors: Vec::new(),
     };
     compiler.expand_root(document);
@@ -199,16 +200,23 @@ struct Compiler<'a> {
     builder: GraphBuilder,
     places: IndexMap<NodeId, Place>,
     missing: IndexMap<NodeId, DocumentError>,
+    /// Placeholders for outputs that there are none of, by what they stand for.
+    stand_ins: IndexMap<String, NodeId>,
     errors: Vec<DocumentError>,
 }
 
 impl Compiler<'_> {
+    /// As many errors as are told were found; looking on would only take time.
+    fn has_enough_errors(&self) -> bool {
+        self.errors.len() >= DocumentErrors::MOST
+    }
+
     /// Reports an error, once.
     fn report(&mut self, error: DocumentError) {
         let same = |other: &DocumentError| {
             (other.span(), other.path(), other.message()) == (error.span(), error.path(), error.message())
         };
-        if self.errors.len() < DocumentErrors::MOST && !self.errors.iter().any(same) {
+        if !self.has_enough_errors() && !self.errors.iter().any(same) {
             self.errors.push(error);
         }
     }

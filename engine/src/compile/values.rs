@@ -55,6 +55,9 @@ impl Compiler<'_> {
         for scope in 0..self.scopes.len() {
             let document = self.scopes[scope].document.clone();
             for (name, node) in &document.nodes {
+                if self.has_enough_errors() {
+                    return values;
+                }
                 let Body::Type { id, version } = &node.body else { continue };
                 let bypassed = node.bypass || self.scopes[scope].bypassed;
                 let node_type = match self.node_type(&document, name, id, *version) {
@@ -120,6 +123,11 @@ impl Compiler<'_> {
         }
     }
 
+    /// The known id most like `id`, unless there are so many unknown ones that a plugin must be lacking.
+    fn nearest_type(&self, id: &str) -> Option<&str> {
+        if self.missing.len() < 100 { self.registry.nearest(id) } else { None }
+    }
+
     /// The type of a node, or why there is none here.
     fn node_type(
         &self,
@@ -130,7 +138,7 @@ impl Compiler<'_> {
     ) -> Result<Arc<NodeType>, DocumentError> {
         let Some(node_type) = self.registry.get(id) else {
             let error = document.error(&["nodes", name, "node"], format!("there is no node type `{id}`"));
-            return Err(match self.registry.nearest(id) {
+            return Err(match self.nearest_type(id) {
                 Some(near) => error.help(format!("did you mean `{near}`?")),
                 None => error.help("`orograph nodes` lists the node types; a plugin may supply more"),
             });
@@ -262,6 +270,9 @@ impl Compiler<'_> {
     fn check_exposed(&mut self, scope: usize, values: &Values) {
         let document = self.scopes[scope].document.clone();
         for (name, exposed) in &document.expose {
+            if self.has_enough_errors() {
+                return;
+            }
             let at = ["expose", name, "param"];
             let Link { node, port } = &exposed.param;
             let Some(named) = document.nodes.get(node) else {

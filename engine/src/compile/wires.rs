@@ -23,6 +23,9 @@ impl Compiler<'_> {
         for scope in 0..self.scopes.len() {
             let document = self.scopes[scope].document.clone();
             for (name, node) in &document.nodes {
+                if self.has_enough_errors() {
+                    return;
+                }
                 match &node.body {
                     Body::Graph { .. } => self.check_subgraph(scope, name, node),
                     Body::Type { .. } => self.connect_node(scope, name, node),
@@ -313,8 +316,13 @@ impl Compiler<'_> {
 
     /// A placeholder in the place of an output that there is none of.
     fn stand_in(&mut self, name: &str, error: DocumentError) -> Vec<Source> {
-        let known = self.missing.keys().find(|id| self.builder.name(**id) == name).copied();
-        let id = known.or_else(|| self.add_missing(name, name, error));
+        let id = match self.stand_ins.get(name) {
+            Some(id) => Some(*id),
+            None => self.add_missing(name, name, error),
+        };
+        if let Some(id) = id {
+            self.stand_ins.insert(name.to_owned(), id);
+        }
         id.map(|id| (id, String::new())).into_iter().collect()
     }
 
@@ -358,6 +366,9 @@ impl Compiler<'_> {
             let current = &self.scopes[scope];
             let (document, prefix) = (current.document.clone(), current.prefix.clone());
             for (name, node) in &document.nodes {
+                if self.has_enough_errors() {
+                    return aliases;
+                }
                 let ports: Vec<String> = match (&node.body, current_child(self, scope, name)) {
                     (Body::Graph { .. }, Some(child)) => {
                         self.scopes[child].document.outputs.keys().cloned().collect()
