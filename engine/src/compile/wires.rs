@@ -1,6 +1,6 @@
 //! Wires: each link is followed through subgraphs and bypassed nodes to the output that feeds it.
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 use orograph_core::{Arity, PortSpec, ValueType};
 
 use super::{Compiler, list, suggest};
@@ -14,6 +14,9 @@ const MAX_TRAIL: usize = 1000;
 
 /// An output in the flat graph.
 type Source = (NodeId, String);
+
+/// The links, each with its scope, that were followed so far.
+type Trail = IndexSet<(usize, Link)>;
 
 /// The fault was reported, or will be.
 struct Reported;
@@ -85,7 +88,7 @@ impl Compiler<'_> {
             };
             for (index, link) in links.iter().enumerate() {
                 let at = ["nodes", name, "inputs", port, &index.to_string()];
-                let Ok(sources) = self.resolve(scope, link, &at, &mut Vec::new()) else {
+                let Ok(sources) = self.resolve(scope, link, &at, &mut Trail::new()) else {
                     wired.push(port);
                     continue;
                 };
@@ -165,12 +168,12 @@ impl Compiler<'_> {
         scope: usize,
         link: &Link,
         at: &[&str],
-        trail: &mut Vec<(usize, Link)>,
+        trail: &mut Trail,
     ) -> Result<Vec<Source>, Reported> {
         let document = self.scopes[scope].document.clone();
         let step = (scope, link.clone());
-        if let Some(first) = trail.iter().position(|before| *before == step) {
-            let around = trail[first..].iter().chain([&step]);
+        if let Some(first) = trail.get_index_of(&step) {
+            let around = trail.iter().skip(first).chain([&step]);
             let path: Vec<_> =
                 around.map(|(scope, link)| format!("{}{}", self.scopes[*scope].prefix, link.node)).collect();
             let error = document.error(at, GraphError::Cycle { path }.to_string());
@@ -182,7 +185,7 @@ impl Compiler<'_> {
             self.report(document.error(at, message).help("remove some of them"));
             return Err(Reported);
         }
-        trail.push(step);
+        trail.insert(step);
         let sources = self.resolve_step(scope, link, at, trail);
         trail.pop();
         sources
@@ -193,7 +196,7 @@ impl Compiler<'_> {
         scope: usize,
         link: &Link,
         at: &[&str],
-        trail: &mut Vec<(usize, Link)>,
+        trail: &mut Trail,
     ) -> Result<Vec<Source>, Reported> {
         let document = self.scopes[scope].document.clone();
         let Link { node: name, port } = link;
@@ -269,7 +272,7 @@ impl Compiler<'_> {
         scope: usize,
         name: &str,
         port: &str,
-        trail: &mut Vec<(usize, Link)>,
+        trail: &mut Trail,
     ) -> Result<Vec<Source>, Reported> {
         let document = self.scopes[scope].document.clone();
         let links = document.nodes.get(name).and_then(|node| node.inputs.get(port));
@@ -289,7 +292,7 @@ impl Compiler<'_> {
         at: &[&str],
         value_type: Option<ValueType>,
         inputs: Vec<(String, ValueType)>,
-        trail: &mut Vec<(usize, Link)>,
+        trail: &mut Trail,
     ) -> Result<Vec<Source>, Reported> {
         let full = format!("{}{link}", self.scopes[scope].prefix);
         let refuse = |compiler: &mut Self, why: String, help: &str| {
@@ -347,7 +350,7 @@ impl Compiler<'_> {
 
     /// The output of the flat graph behind a link of a scope; what is wrong is reported.
     pub(super) fn output_of(&mut self, scope: usize, link: &Link, at: &[&str]) -> Option<OutputRef> {
-        let sources = self.resolve(scope, link, at, &mut Vec::new()).ok()?;
+        let sources = self.resolve(scope, link, at, &mut Trail::new()).ok()?;
         let (node, port) = sources.first()?;
         match self.builder.output(*node, port) {
             Ok(output) => Some(output),
