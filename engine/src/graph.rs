@@ -10,7 +10,7 @@ use orograph_core::{
     Arity, Digest, Error, Hasher, Instance, NodeSpec, NodeType, ParamKind, ParamValue, PortSpec, ValueType,
 };
 use petgraph::{
-    algo::{tarjan_scc, toposort},
+    algo::{kosaraju_scc, toposort},
     graph::{DiGraph, NodeIndex},
 };
 
@@ -175,11 +175,22 @@ pub enum GraphError {
         value_type: ValueType,
     },
     /// Nodes depend on themselves.
-    #[error("a cycle: {}", .path.join(" → "))]
+    #[error("a cycle: {}", around(.path))]
     Cycle {
         /// Names along the cycle; the last is the first again.
         path: Vec<String>,
     },
+}
+
+/// A path in a message; a long one without its middle.
+fn around(path: &[String]) -> String {
+    const ENDS: usize = 8;
+    if path.len() <= 2 * ENDS + 1 {
+        return path.join(" → ");
+    }
+    let (first, last) = (&path[..ENDS], &path[path.len() - ENDS..]);
+    let left_out = path.len() - 2 * ENDS;
+    format!("{} → ({left_out} more) → {}", first.join(" → "), last.join(" → "))
 }
 
 impl Graph {
@@ -419,18 +430,21 @@ impl GraphBuilder {
         let on_cycle = |component: &Vec<NodeIndex>| {
             component.len() > 1 || component.iter().any(|&node| dag.contains_edge(node, node))
         };
-        let components = tarjan_scc(dag);
+        // Unlike Tarjan's, this one does not recurse, so a long cycle cannot exhaust the stack.
+        let components = kosaraju_scc(dag);
         let Some(component) =
             components.iter().filter(|c| on_cycle(c)).min_by_key(|c| c.iter().min().copied())
         else {
             return Vec::new();
         };
         let Some(&start) = component.iter().min() else { return Vec::new() };
+        let mut inside = vec![false; self.nodes.len()];
+        component.iter().for_each(|node| inside[node.index()] = true);
         // Breadth first from the start back to itself, inside the component: a shortest cycle.
         let mut previous = vec![None; self.nodes.len()];
         let mut queue = std::collections::VecDeque::from([start]);
         while let Some(node) = queue.pop_front() {
-            let mut next: Vec<_> = dag.neighbors(node).filter(|n| component.contains(n)).collect();
+            let mut next: Vec<_> = dag.neighbors(node).filter(|n| inside[n.index()]).collect();
             next.sort_unstable();
             for target in next {
                 if target == start {

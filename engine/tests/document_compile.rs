@@ -14,13 +14,13 @@ use orograph_engine::{
 /// Compiles `main.ron` of some files in the folder `graphs`.
 fn build(files: &[(&str, &str)], overrides: &[(&str, &str)]) -> Result<Compiled, DocumentErrors> {
     let find = |name: &str| files.iter().find(|(file, _)| *file == name).map(|(_, text)| *text);
-    let document = Document::parse(find("main.ron").unwrap(), "graphs/main.ron")?;
+    let document = Document::parse(find("main.ron").expect("a main file"), "graphs/main.ron")?;
     let options = CompileOptions {
         base_dir: PathBuf::from("graphs"),
         overrides: overrides.iter().map(|(name, value)| ((*name).into(), (*value).into())).collect(),
         loader: &|path: &Path| {
-            let name = path.strip_prefix("graphs").unwrap().to_str().unwrap();
-            match find(name) {
+            let name = path.strip_prefix("graphs").ok().and_then(Path::to_str);
+            match name.and_then(find) {
                 Some(text) => Ok(text.as_bytes().to_vec()),
                 None => Err(std::io::ErrorKind::NotFound.into()),
             }
@@ -34,14 +34,14 @@ fn one(nodes: &str) -> Result<Compiled, DocumentErrors> {
 }
 
 fn values<'a>(graph: &'a Graph, name: &str) -> &'a [ParamValue] {
-    match &graph.node(graph.find(name).unwrap()).action {
+    match &graph.node(graph.find(name).expect("the node is there")).action {
         Action::Run { values, .. } => values,
         Action::Missing(missing) => panic!("{name} is missing: {missing:?}"),
     }
 }
 
 fn source(graph: &Graph, node: &str, input: usize) -> Vec<String> {
-    let node = graph.node(graph.find(node).unwrap());
+    let node = graph.node(graph.find(node).expect("the node is there"));
     node.inputs[input].iter().map(|output: &OutputRef| graph.output_name(*output)).collect()
 }
 
@@ -74,4 +74,484 @@ fn a_graph_compiles_with_typed_settings_and_wires() {
     assert_eq!(compiled.exposed["radius"].value, ParamValue::Number(5.0));
     let dem = graph.node(graph.find("dem").unwrap());
     assert_eq!(dem.base_dir("data/x.tif"), Path::new("graphs"));
+}
+
+/// Takes the `^` out of a text, and tells the line and column where it stood.
+fn unmark(marked: &str) -> (String, (usize, usize)) {
+    let (before, after) = marked.split_once('^').expect("a mark");
+    let line = before.lines().count().max(1);
+    let column = 1 + before.lines().last().map_or(0, |line| line.chars().count());
+    let (line, column) = if before.ends_with('\n') { (line + 1, 1) } else { (line, column) };
+    (format!("{before}{after}"), (line, column))
+}
+
+/// A graph of these nodes, each on a line of its own from line 2.
+fn graph(nodes: &[&str]) -> String {
+    let nodes: String = nodes.iter().map(|node| format!("{node},\n")).collect();
+    format!("(format: 1, nodes: {{\n{nodes}}})")
+}
+
+const DEM: &str = r#""dem": (node: "io.read", version: 1)"#;
+
+#[test]
+fn faults_tell_place_and_mend() {
+    let smooth = |params: &str| {
+        graph(&[
+            DEM,
+            &format!(
+                r#""s": (node: "filter.smooth", version: 3, params: ({params}), inputs: {{"terrain": "dem.terrain"}})"#
+            ),
+        ])
+    };
+    let cases: Vec<(String, &str, &str)> = vec![
+        (smooth("radius: ^0.1"), "`radius` is 0.1 m, outside its range 0.5 to 1000", "from 0.5 to 1000"),
+        (smooth("radius: ^1e400"), "`radius` is 1e400, which is more than a number can hold", ""),
+        (smooth("radius: ^NaN"), "`radius` takes a number, not the bare word `NaN`", ""),
+        (smooth("radius: ^-inf"), "more than a number can hold", ""),
+        (smooth("radius: ^\"5\""), "`radius` takes a number, not a string", ""),
+        (smooth("rounds: ^1000000000000000000000000000000"), "more than a number can hold", ""),
+        (smooth("rounds: ^2.5"), "`rounds` takes a whole number, not a number", ""),
+        (smooth("rounds: ^10"), "`rounds` is 10, outside its range 1 to 9", ""),
+        (smooth("rims: ^1"), "`rims` takes `true` or `false`, not an integer", ""),
+        (smooth("way: ^upp"), "`way` has no option `upp`", "did you mean `up`?"),
+        (smooth("way: ^\"sideways\""), "`way` has no option `sideways`", "`up`, `straight_down`"),
+        (smooth("note: ^up"), "`note` takes a string, not the bare word `up`", ""),
+        (smooth("falloff: ^[(0, 1), (0.5, 2)]"), "`falloff` is 2", ""),
+        (smooth("falloff: ^[(0, 1), (0, 1)]"), "needs points with x ascending", "sort"),
+        (smooth("falloff: ^[1]"), "`falloff` takes a curve", ""),
+        (smooth("barriers: ^[(0, 1)]"), "`barriers` takes lines", ""),
+        (smooth("^radus: 5"), "`filter.smooth` has no parameter `radus`", "did you mean `radius`?"),
+        (smooth("rounds: 9, radius: 900").replace("\"s\"", "^\"s\""), "so many rounds", "fewer rounds"),
+        (
+            graph(&[DEM, r#""s": (node: "filter.smooth", version: 3, ^input: {"terrain": "dem.terrain"})"#]),
+            "no field `input`", "did you mean `inputs`?",
+        ),
+        (
+            graph(&[DEM, r#""s": (node: "filter.smooth", version: 3, inputs: {^"terain": "dem.terrain"})"#]),
+            "`filter.smooth` has no input `terain`", "did you mean `terrain`?",
+        ),
+        (
+            graph(&[DEM, r#""s": (node: "look.shade", version: 1, inputs: {"terrain": ^"dme.terrain"})"#]),
+            "there is no node `dme`", "did you mean `dem`?",
+        ),
+        (
+            graph(&[DEM, r#""s": (node: "look.shade", version: 1, inputs: {"terrain": ^"dem.terain"})"#]),
+            "`io.read` has no output `terain`", "did you mean `terrain`?",
+        ),
+        (
+            graph(&[DEM, r#""s": (node: "look.shade", version: 1, inputs: {"terrain": ["dem.terrain", ^"dem.terrain"]})"#]),
+            "`s.terrain` takes one wire, but has 2", "keep one",
+        ),
+        (
+            graph(&[DEM, r#""s": (node: "io.sheet", version: 1, inputs: {"pictures": ^"dem.terrain"})"#]),
+            "`dem.terrain` gives a Heightfield, but `s.pictures` takes a Texture", "`look.shade` makes a Texture of a Heightfield",
+        ),
+        (
+            graph(&[r#"^"s": (node: "look.shade", version: 1)"#]),
+            "`s.terrain` is not connected, but needs a Heightfield", "\"terrain\": \"node.output\"",
+        ),
+        (
+            "(format: 1, nodes: {}, outputs: {\"o\": ^\"dem.terrain\"})".into(),
+            "there is no node `dem`", "no nodes",
+        ),
+        (
+            "(format: 1, nodes: {\"dem\": (node: \"io.read\")}, expose: {\"o\": (param: ^\"dem.flie\")})".into(),
+            "`io.read` has no parameter `flie`", "did you mean `file`?",
+        ),
+        (
+            "(format: 1, nodes: {\"dem\": (node: \"io.read\")}, expose: {\"o\": (param: ^\"den.file\")})".into(),
+            "there is no node `den`", "did you mean `dem`?",
+        ),
+        (
+            "(format: 1, nodes: {\"dem\": (node: \"io.read\")}, expose: {\"o\": (param: \"dem.file\", range: ^(0, 1))})".into(),
+            "`dem.file` is no number", "remove",
+        ),
+        (
+            CHAIN.replace("radius: 5", "radius: ^500"),
+            "`radius` is 500 m, outside its range 1 to 50", "from 1 to 50",
+        ),
+        (
+            graph(&[r#""g": (graph: ^"none.ron")"#]),
+            "graphs/none.ron cannot be read", "relative to this file",
+        ),
+        (
+            graph(&[r#""g": (graph: ^"/etc/x.ron")"#]),
+            "`/etc/x.ron` is no relative path", "relative",
+        ),
+        (
+            graph(&[r#""g": (graph: ^"main.ron")"#]),
+            "a graph uses itself: graphs/main.ron → graphs/main.ron", "out",
+        ),
+    ];
+    for (marked, message, help) in cases {
+        let (text, place) = unmark(&marked);
+        let Err(errors) = one(&text) else { panic!("compiles: {text}") };
+        let error = &errors.errors()[0];
+        assert!(error.message().contains(message), "{text}\n{errors}");
+        assert_eq!((error.line().unwrap(), error.column().unwrap()), place, "{text}\n{error}");
+        assert!(error.help_text().unwrap_or("").contains(help), "{text}\n{:?}", error.help_text());
+        assert_eq!(errors.errors().len(), 1, "one fault, one message: {errors}");
+    }
+}
+
+#[test]
+fn every_fault_of_a_graph_is_told_at_once() {
+    let text = graph(&[
+        r#""a": (node: "look.shade", version: 1)"#,
+        r#""b": (node: "filter.smooth", version: 3, params: (radius: 0, rounds: 0), inputs: {"terrain": "x.y"})"#,
+        r#""c": (node: "look.shade", version: 1, inputs: {"terrain": "c.texture"})"#,
+    ]);
+    let errors = one(&text).err().unwrap();
+    let lines: Vec<_> = errors.errors().iter().map(|error| error.line().unwrap()).collect();
+    assert_eq!(lines, [2, 3, 3, 3, 4], "{errors}");
+}
+
+#[test]
+fn cycles_are_refused_with_their_path() {
+    let link = |name: &str, from: &str| {
+        format!(r#""{name}": (node: "filter.smooth", version: 3, inputs: {{"terrain": "{from}.terrain"}})"#)
+    };
+    for (links, path) in [
+        (vec![("a", "a")], "a cycle: a → a"),
+        (vec![("a", "b"), ("b", "a")], "a cycle: a → b → a"),
+        (vec![("x", "c"), ("a", "c"), ("b", "a"), ("c", "b")], "a cycle: a → b → c → a"),
+    ] {
+        let nodes: Vec<_> = links.iter().map(|(name, from)| link(name, from)).collect();
+        let errors = one(&graph(&nodes.iter().map(String::as_str).collect::<Vec<_>>())).err().unwrap();
+        let first = &errors.errors()[0];
+        assert_eq!(first.message(), path);
+        let line = 2 + links.iter().position(|(name, _)| *name == "a").unwrap();
+        assert_eq!((first.line(), first.column()), (Some(line), Some(1)));
+    }
+    // Bypassing the nodes of a cycle leaves it a cycle, of wires alone.
+    let bypassed =
+        |name: &str, from: &str| link(name, from).replace("version: 3", "version: 3, bypass: true");
+    let text = graph(&[&bypassed("a", "b"), &bypassed("b", "a"), &link("c", "a")]);
+    assert!(one(&text).err().unwrap().to_string().contains("a cycle: a → b → a"));
+    // A long one needs no deep stack.
+    let n = 50_000;
+    let nodes: Vec<_> = (0..n).map(|i| link(&format!("n{i}"), &format!("n{}", (i + 1) % n))).collect();
+    let errors = one(&graph(&nodes.iter().map(String::as_str).collect::<Vec<_>>())).err().unwrap();
+    assert!(errors.to_string().contains("→ (49985 more) →"), "{errors}");
+}
+
+#[test]
+fn what_is_unknown_is_refused_only_when_needed() {
+    let text = graph(&[
+        DEM,
+        r#""odd": (node: "filter.smoth", version: 1, inputs: {"any": ["dem.terrain"]}, colour: "red")"#,
+        r#""new": (node: "look.shade", version: 9, params: (depth: 3), inputs: {"terrain": "dem.terrain"})"#,
+        r#""shade": (node: "look.shade", version: 1, inputs: {"terrain": "odd.whatever"})"#,
+    ]);
+    let compiled = one(&text).unwrap();
+    let told: Vec<_> = compiled.missing.values().map(|error| error.to_string()).collect();
+    assert_eq!(
+        told,
+        [
+            "graphs/main.ron:3:15: there is no node type `filter.smoth`",
+            "graphs/main.ron:4:38: `look.shade` is known up to version 1, not 9",
+        ]
+    );
+    let odd = compiled.graph.node(compiled.graph.find("odd").unwrap());
+    match &odd.action {
+        Action::Missing(missing) => {
+            assert_eq!(missing.reason, "there is no node type `filter.smoth`; did you mean `filter.smooth`?");
+        }
+        Action::Run { .. } => panic!("runs"),
+    }
+    assert_eq!(source(&compiled.graph, "shade", 0), ["odd.0"]);
+}
+
+#[test]
+fn older_versions_are_lifted() {
+    let lifted = |version: u32, params: &str| {
+        let node = format!(
+            r#""s": (node: "filter.smooth", version: {version}, params: ({params}), inputs: {{"terrain": "dem.terrain"}})"#
+        );
+        one(&graph(&[DEM, &node])).map(|compiled| values(&compiled.graph, "s").to_vec())
+    };
+    for size in ["0.25", "2.5e-1"] {
+        assert_eq!(
+            lifted(1, &format!("size_km: {size}, rounds: 3, invert: false")).unwrap()[..2],
+            [ParamValue::Number(250.0), ParamValue::Integer(3)]
+        );
+    }
+    assert_eq!(lifted(1, "size_km: 1, way: straight_down").unwrap()[0], ParamValue::Number(1000.0));
+    let errors = lifted(2, "invert: true").unwrap_err();
+    assert_eq!(errors.to_string(), "graphs/main.ron:3:39: smoothing no longer inverts");
+    assert_eq!(errors.errors()[0].help_text(), Some("subtract it from its input instead"));
+    // What the lifted value is told of as itself, at the place of the node's settings.
+    let errors = lifted(1, "size_km: 5").unwrap_err();
+    assert!(errors.to_string().contains("`radius` is 5000 m"), "{errors}");
+    assert_eq!(errors.errors()[0].line(), Some(3));
+    assert!(lifted(3, "size_km: 5").unwrap_err().to_string().contains("no parameter `size_km`"));
+    // An exposed parameter of the old name follows.
+    let text = r#"(format: 1, expose: {"size": (param: "s.size_km", range: (10, 300))}, nodes: {
+        "dem": (node: "io.read"),
+        "s": (node: "filter.smooth", version: 1, params: (size_km: 0.2), inputs: {"terrain": "dem.terrain"}),
+    })"#;
+    let compiled = build(&[("main.ron", text)], &[("size", "0.3")]).unwrap();
+    assert_eq!(compiled.exposed["size"].spec.name, "radius");
+    assert_eq!(compiled.exposed["size"].value, ParamValue::Number(300.0));
+    assert!(build(&[("main.ron", text)], &[("size", "0.4")]).is_err());
+}
+
+const INNER: &str = r#"(
+    format: 1,
+    expose: {"reach": (param: "s.radius", range: (1, 100)), "file": (param: "dem.file")},
+    inputs: {"terrain": (type: Heightfield), "spare": (type: Heightfield)},
+    outputs: {"terrain": "s.terrain", "raw": "graph.terrain", "file": "dem.terrain"},
+    nodes: {
+        "dem": (node: "io.read", version: 1, params: (file: "inner.tif")),
+        "s": (node: "filter.smooth", version: 3, params: (radius: 2), inputs: {"terrain": "graph.terrain"}),
+    },
+)"#;
+const MIDDLE: &str = r#"(
+    format: 1,
+    expose: {"reach": (param: "in.reach", range: (1, 60))},
+    inputs: {"terrain": (type: Heightfield)},
+    outputs: {"terrain": "in.terrain", "raw": "in.raw"},
+    nodes: {"in": (graph: "deep/inner.ron", params: {"reach": 3}, inputs: {"terrain": "graph.terrain"})},
+)"#;
+const OUTER: &str = r#"(
+    format: 1,
+    expose: {"reach": (param: "mid.reach")},
+    outputs: {"all": "mid.terrain", "raw": "mid.raw"},
+    nodes: {
+        "dem": (node: "io.read", version: 1),
+        "mid": (graph: "lib/middle.ron", params: (reach: 4), inputs: {"terrain": "dem.terrain"}),
+        "in": (graph: "lib/deep/inner.ron", params: (file: "outer.tif"), inputs: {"terrain": "mid.terrain"}),
+        "shade": (node: "look.shade", version: 1, inputs: {"terrain": "in.terrain"}),
+    },
+)"#;
+const NESTED: [(&str, &str); 3] =
+    [("main.ron", OUTER), ("lib/middle.ron", MIDDLE), ("lib/deep/inner.ron", INNER)];
+
+#[test]
+fn subgraphs_are_laid_flat() {
+    let compiled = build(&NESTED, &[]).unwrap();
+    let graph = &compiled.graph;
+    let mut names: Vec<_> = graph.names().collect();
+    names.sort_unstable();
+    assert_eq!(names, ["dem", "in/dem", "in/s", "mid/in/dem", "mid/in/s", "shade"]);
+    assert_eq!(source(graph, "mid/in/s", 0), ["dem.terrain"]);
+    assert_eq!(source(graph, "in/s", 0), ["mid/in/s.terrain"]);
+    assert_eq!(source(graph, "shade", 0), ["in/s.terrain"]);
+    let name = |output: OutputRef| graph.output_name(output);
+    assert_eq!(name(compiled.outputs["all"]), "mid/in/s.terrain");
+    assert_eq!(name(compiled.outputs["raw"]), "dem.terrain");
+    for (asked, found) in [
+        ("all", "mid/in/s.terrain"),
+        ("mid.terrain", "mid/in/s.terrain"),
+        ("mid/in.raw", "dem.terrain"),
+        ("mid/in/s", "mid/in/s.terrain"),
+        ("shade.texture", "shade.texture"),
+        ("shade", "shade.texture"),
+    ] {
+        assert_eq!(name(compiled.output(asked).unwrap()), found, "{asked}");
+    }
+    let error = compiled.output("shde").unwrap_err();
+    assert_eq!(error.message(), "the graph has no output `shde`");
+    assert!(compiled.output("mid").unwrap_err().help_text().unwrap().contains("mid.terrain, mid.raw"));
+    // The outermost setting counts, and each file's paths start at that file.
+    assert_eq!(values(graph, "mid/in/s")[0], ParamValue::Number(4.0));
+    assert_eq!(values(graph, "in/s")[0], ParamValue::Number(2.0));
+    let base = |name: &str, text: &str| graph.node(graph.find(name).unwrap()).base_dir(text).to_path_buf();
+    assert_eq!(base("mid/in/dem", "inner.tif"), Path::new("graphs/lib/deep"));
+    assert_eq!(base("in/dem", "outer.tif"), Path::new("graphs"));
+}
+
+#[test]
+fn overrides_reach_every_node() {
+    let radius = |overrides: &[(&str, &str)]| {
+        build(&NESTED, overrides).map(|compiled| values(&compiled.graph, "mid/in/s")[0].clone())
+    };
+    for name in ["reach", "mid.reach", "mid/in.reach", "mid/in/s.radius"] {
+        assert_eq!(radius(&[(name, "7")]).unwrap(), ParamValue::Number(7.0), "{name}");
+    }
+    assert_eq!(radius(&[("reach", "7"), ("mid/in/s.radius", "8")]).unwrap(), ParamValue::Number(8.0));
+    let compiled =
+        build(&NESTED, &[("mid/in/s.way", "straight_down"), ("dem.file", "a b.tif"), ("in/s.note", "\"q\"")]);
+    let graph = compiled.unwrap().graph;
+    assert_eq!(values(&graph, "mid/in/s")[2], ParamValue::Text("straight_down".into()));
+    assert_eq!(values(&graph, "dem")[0], ParamValue::Text("a b.tif".into()));
+    assert_eq!(values(&graph, "in/s")[4], ParamValue::Text("q".into()));
+    for (name, value, message, help) in [
+        ("raech", "7", "the graph exposes no parameter `raech`", "did you mean `reach`?"),
+        ("mdi.reach", "7", "there is no node `mdi`", "did you mean `mid`?"),
+        ("mid.raech", "7", "the graph `mid` exposes no parameter `raech`", "did you mean `reach`?"),
+        ("mid/on/s.radius", "7", "there is no subgraph `on`", "did you mean `in`?"),
+        (
+            "mid/in/s.radus",
+            "7",
+            "in `mid/in/s.radus=7`: `filter.smooth` has no parameter",
+            "did you mean `radius`?",
+        ),
+        (
+            "mid/in/s.radius",
+            "x",
+            "in `mid/in/s.radius=x`: `radius` takes a number, not the bare word `x`",
+            "",
+        ),
+        ("mid/in/s.radius", "(", "expected a value", "takes a number"),
+        ("mid/in/s.radius", "1e999", "more than a number can hold", ""),
+        ("mid.reach", "80", "`reach` is 80 m, outside its range 1 to 60", "from 1 to 60"),
+        ("mid/in/s.radius", "80", "`reach` is 80 m, outside its range 1 to 60", ""),
+    ] {
+        let errors = radius(&[(name, value)]).unwrap_err();
+        let error = &errors.errors()[0];
+        assert!(error.message().contains(message), "{name}: {errors}");
+        assert!(error.help_text().unwrap_or("").contains(help), "{name}: {:?}", error.help_text());
+    }
+}
+
+#[test]
+fn faults_of_subgraphs_tell_their_file() {
+    let with = |main: &str, middle: &str, inner: &str| {
+        let files = [("main.ron", main), ("lib/middle.ron", middle), ("lib/deep/inner.ron", inner)];
+        build(&files, &[]).err().unwrap().errors()[0].to_string()
+    };
+    for (error, expected) in [
+        (with(OUTER, MIDDLE, "("), "graphs/lib/deep/inner.ron:1:2: expected a value"),
+        (
+            with(OUTER, MIDDLE, &INNER.replace("radius: 2", "radius: 0")),
+            "graphs/lib/deep/inner.ron:8:67: `radius` is 0 m",
+        ),
+        (
+            with(&OUTER.replace("mid.raw", "mid.row"), MIDDLE, INNER),
+            "graphs/main.ron:4:44: the graph `mid` has no output `row`",
+        ),
+        (
+            with(&OUTER.replace("reach: 4", "rech: 4"), MIDDLE, INNER),
+            "graphs/main.ron:7:51: the graph `mid` exposes no parameter `rech`",
+        ),
+        (
+            with(&OUTER.replace("inputs: {\"terrain\": \"mid", "inputs: {\"terain\": \"mid"), MIDDLE, INNER),
+            "graphs/main.ron:8:83: the graph `in` has no input `terain`",
+        ),
+        (
+            with(&OUTER.replace("\"mid.terrain\"})", "\"shade.texture\"})"), MIDDLE, INNER),
+            "graphs/main.ron:8:94: `shade.texture` gives a Texture, but `in.terrain` takes a Heightfield",
+        ),
+        (
+            with(OUTER, &MIDDLE.replace("deep/inner.ron", "../lib/middle.ron"), INNER),
+            "graphs/lib/middle.ron:6:27: a graph uses itself: graphs/lib/middle.ron → graphs/lib/middle.ron",
+        ),
+        (
+            with(
+                OUTER,
+                MIDDLE,
+                &INNER.replace(
+                    "nodes: {",
+                    "nodes: {\"z\": (node: \"look.shade\", inputs: {\"terrain\": \"graph.spare\"}),",
+                ),
+            ),
+            "graphs/lib/deep/inner.ron:6:13: `mid/in/z.terrain` is not connected",
+        ),
+    ] {
+        assert!(error.starts_with(expected), "{error}\nexpected {expected}");
+    }
+}
+
+#[test]
+fn a_graph_with_inputs_compiles_alone_and_says_what_it_lacks() {
+    let compiled = one(INNER).unwrap();
+    let missing: Vec<_> = compiled.missing.values().map(ToString::to_string).collect();
+    assert_eq!(
+        missing,
+        ["graphs/main.ron:8:91: the input `terrain` is given by the graph that uses this one"]
+    );
+    assert_eq!(source(&compiled.graph, "s", 0), ["graph.terrain.0"]);
+}
+
+#[test]
+fn bypassed_nodes_hand_on_their_first_input_of_the_type() {
+    let bypass = CHAIN.replace("node: \"filter.smooth\"", "bypass: true, node: \"filter.smooth\"");
+    let compiled = one(&bypass).unwrap();
+    assert_eq!(source(&compiled.graph, "shade", 0), ["dem.terrain"]);
+    assert_eq!(compiled.graph.find("smooth"), None);
+    assert_eq!(compiled.graph.output_name(compiled.output("smooth.terrain").unwrap()), "dem.terrain");
+    // Nothing to hand on: an error for what needs it alone.
+    let bypass = CHAIN.replace("node: \"look.shade\"", "bypass: true, node: \"look.shade\"");
+    let compiled = one(&bypass).unwrap();
+    let told = compiled.missing.values().next().unwrap().to_string();
+    assert!(
+        told.contains(
+            "the bypassed `shade` has nothing to hand on as `shade.texture`: no input takes a Texture"
+        ),
+        "{told}"
+    );
+    // A whole subgraph.
+    let outer = OUTER.replace("graph: \"lib/middle.ron\"", "bypass: true, graph: \"lib/middle.ron\"");
+    let compiled = build(&[("main.ron", &outer), NESTED[1], NESTED[2]], &[]).unwrap();
+    assert_eq!(source(&compiled.graph, "in/s", 0), ["dem.terrain"]);
+    assert_eq!(compiled.graph.find("mid/in/s"), None);
+}
+
+#[test]
+fn subgraphs_do_not_multiply_without_end() {
+    let uses = |file: &str| {
+        let nodes: String = (0..20).map(|i| format!(r#""n{i}": (graph: "{file}"),"#)).collect();
+        format!("(format: 1, nodes: {{{nodes}}})")
+    };
+    let texts: Vec<_> = (1..8).map(|depth| uses(&format!("d{depth}.ron"))).collect();
+    let names: Vec<_> = (0..8).map(|depth| format!("d{depth}.ron")).collect();
+    let mut files: Vec<_> = names.iter().map(String::as_str).zip(texts.iter().map(String::as_str)).collect();
+    files[0].0 = "main.ron";
+    let errors = build(&files, &[]).err().unwrap();
+    assert!(errors.to_string().contains("more than 100000 nodes"), "{errors}");
+    // Depth.
+    let names: Vec<_> = (0..40).map(|depth| format!("d{depth}.ron")).collect();
+    let texts: Vec<_> = (1..41).map(|depth| graph(&[&format!(r#""n": (graph: "d{depth}.ron")"#)])).collect();
+    let mut files: Vec<_> = names.iter().map(String::as_str).zip(texts.iter().map(String::as_str)).collect();
+    files[0].0 = "main.ron";
+    let errors = build(&files, &[]).err().unwrap();
+    assert!(errors.to_string().contains("deeper than 32 levels"), "{errors}");
+}
+
+/// Each of these took a time quadratic in the number of nodes once; a slow one would not end here.
+#[test]
+fn large_graphs_and_many_faults_stay_cheap() {
+    let many = |node: &dyn Fn(usize) -> String| {
+        let nodes: Vec<_> = (0..50_000).map(node).collect();
+        graph(&nodes.iter().map(String::as_str).collect::<Vec<_>>())
+    };
+    let links = many(&|i| format!(r#""n{i}": (node: "look.shade", inputs: {{"terrain": "m{i}.terrain"}})"#));
+    assert!(one(&links).is_err());
+    let unknown = many(&|i| format!(r#""n{i}": (node: "some.node{i}", inputs: {{"a": "n0.b"}})"#));
+    // The first is linked to itself.
+    assert!(one(&unknown).err().is_some_and(|errors| errors.to_string().contains("a cycle: n0 → n0")));
+    let chain = many(&|i| match i {
+        0 => r#""n0": (node: "io.read")"#.into(),
+        _ => format!(r#""n{i}": (node: "filter.smooth", inputs: {{"terrain": "n{}.terrain"}})"#, i - 1),
+    });
+    assert_eq!(one(&chain).unwrap().graph.nodes().len(), 50_000);
+    let bypassed = chain.replace("filter.smooth\"", "filter.smooth\", bypass: true");
+    assert!(
+        one(&bypassed).err().is_some_and(|errors| errors.to_string().contains("more than 1000 bypassed"))
+    );
+}
+
+proptest::proptest! {
+    #[test]
+    fn no_document_panics(
+        mutations in proptest::collection::vec((0..2000_usize, 0..2000_usize, 1..12_usize), 1..6),
+    ) {
+        // Pieces of graphs in the wrong places: much of that still reads.
+        let mut texts = [CHAIN.to_owned(), OUTER.to_owned(), MIDDLE.to_owned(), INNER.to_owned()];
+        for (from, to, len) in mutations {
+            let piece: String = texts[from % 4].chars().skip(from / 4).take(len).collect();
+            let target = &mut texts[to % 4];
+            let at = (to / 4).min(target.len());
+            let end = (at + if from % 2 == 0 { len } else { 0 }).min(target.len());
+            if target.is_char_boundary(at) && target.is_char_boundary(end) {
+                target.replace_range(at..end, &piece);
+            }
+        }
+        let [chain, outer, middle, inner] = &texts;
+        for main in [chain, outer, inner] {
+            let files = [("main.ron", main.as_str()), ("lib/middle.ron", middle), ("lib/deep/inner.ron", inner)];
+            let _ = build(&files, &[("reach", "5"), ("smooth.radius", "7")]);
+        }
+    }
 }

@@ -7,6 +7,8 @@
 mod path;
 mod scope;
 mod settings;
+mod typed;
+mod values;
 mod wires;
 
 use std::path::{Path, PathBuf};
@@ -118,16 +120,24 @@ impl Compiled {
     }
 }
 
-/// Names in a sentence.
+/// Names in a sentence; the first of many.
 fn list<T: AsRef<str>>(names: impl IntoIterator<Item = T>) -> String {
-    let names: Vec<_> = names.into_iter().map(|name| format!("`{}`", name.as_ref())).collect();
+    const MOST: usize = 24;
+    let mut names: Vec<_> = names.into_iter().map(|name| format!("`{}`", name.as_ref())).collect();
+    if names.len() > MOST {
+        let more = names.len() - MOST;
+        names.truncate(MOST);
+        names.push(format!("and {more} more"));
+    }
     if names.is_empty() { "none".into() } else { names.join(", ") }
 }
 
 /// `did you mean`, or what there is.
 fn suggest<'n>(name: &str, known: impl IntoIterator<Item = &'n str>, what: &str) -> String {
+    /// Comparing with more names than this takes time, and such a graph was written by a machine.
+    const MOST: usize = 5000;
     let known: Vec<_> = known.into_iter().collect();
-    match nearest(name, known.iter().copied()) {
+    match nearest(name, known.iter().copied().take(MOST)) {
         Some(near) => format!("did you mean `{near}`?"),
         None if known.is_empty() => format!("it has no {what}"),
         None => format!("its {what}: {}", list(known)),
@@ -150,6 +160,7 @@ pub fn compile(
         builder: GraphBuilder::new(),
         places: IndexMap::new(),
         missing: IndexMap::new(),
+        stand_ins: IndexMap::new(),
         errors: Vec::new(),
     };
     compiler.expand_root(document);
@@ -197,16 +208,23 @@ struct Compiler<'a> {
     builder: GraphBuilder,
     places: IndexMap<NodeId, Place>,
     missing: IndexMap<NodeId, DocumentError>,
+    /// Placeholders for outputs that there are none of, by what they stand for.
+    stand_ins: IndexMap<String, NodeId>,
     errors: Vec<DocumentError>,
 }
 
 impl Compiler<'_> {
+    /// As many errors as are told were found; looking on would only take time.
+    fn has_enough_errors(&self) -> bool {
+        self.errors.len() >= DocumentErrors::MOST
+    }
+
     /// Reports an error, once.
     fn report(&mut self, error: DocumentError) {
         let same = |other: &DocumentError| {
             (other.span(), other.path(), other.message()) == (error.span(), error.path(), error.message())
         };
-        if self.errors.len() < DocumentErrors::MOST && !self.errors.iter().any(same) {
+        if !self.has_enough_errors() && !self.errors.iter().any(same) {
             self.errors.push(error);
         }
     }
@@ -243,7 +261,7 @@ impl Compiler<'_> {
     }
 
     /// Exposed parameters of the outermost document, with their values.
-    fn exposed(&mut self, values: &settings::Values) -> IndexMap<String, ExposedParam> {
+    fn exposed(&mut self, values: &values::Values) -> IndexMap<String, ExposedParam> {
         let Some(root) = self.scopes.first() else { return IndexMap::new() };
         let document = root.document.clone();
         let mut exposed = IndexMap::new();

@@ -39,8 +39,8 @@ impl PathError {
 /// The file that `text` names in a graph of the folder `base_dir`.
 ///
 /// `${NAME}` stands for a variable and `${NAME:-default}` gives it a default, for a variable that is unset or
-/// empty. A relative default starts, as every relative path, from the graph's folder. The value of a variable
-/// is the user's and starts from the working folder, so it is only joined to nothing.
+/// empty. A relative default starts, as every relative path, from the graph's folder. A path that begins with a
+/// variable's value is the user's own: when relative, it starts from the working folder.
 ///
 /// # Errors
 /// A variable without value, or a `${` that is no variable.

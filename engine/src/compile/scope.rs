@@ -7,10 +7,10 @@ use std::{
 
 use indexmap::IndexMap;
 
-use super::{Compiler, MAX_DEPTH, MAX_NODES};
+use super::{Compiler, MAX_DEPTH, MAX_NODES, suggest};
 use crate::{
     NodeId,
-    document::{Body, Document, DocumentError},
+    document::{Body, Document, DocumentError, NODE_FIELDS},
 };
 
 /// One use of a document.
@@ -30,7 +30,7 @@ pub(super) struct Scope {
     pub(super) bypassed: bool,
 }
 
-/// A graph file on the way from the outermost document to a subgraph, and where its reading stands.
+/// What was read so far: each file once, however often it is used.
 struct Files {
     loaded: IndexMap<PathBuf, Option<Arc<Document>>>,
     n_nodes: usize,
@@ -67,9 +67,9 @@ impl Compiler<'_> {
                 return;
             }
             let error = |message: String| document.error(&["nodes", name, "graph"], message);
-            for (field, _) in &node.extra {
+            for field in node.extra.keys() {
                 let unknown = document.error_at_key(&["nodes", name, field], no_field(field));
-                self.report(unknown);
+                self.report(unknown.help(suggest(field, NODE_FIELDS, "fields")));
             }
             if Path::new(path).is_absolute() || path.contains('\\') || path.is_empty() {
                 let message = format!("`{}` is no relative path", path.escape_debug());

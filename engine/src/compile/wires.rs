@@ -1,6 +1,6 @@
 //! Wires: each link is followed through subgraphs and bypassed nodes to the output that feeds it.
 
-use indexmap::IndexMap;
+use indexmap::{IndexMap, IndexSet};
 use orograph_core::{Arity, PortSpec, ValueType};
 
 use super::{Compiler, list, suggest};
@@ -15,6 +15,9 @@ const MAX_TRAIL: usize = 1000;
 /// An output in the flat graph.
 type Source = (NodeId, String);
 
+/// The links, each with its scope, that were followed so far.
+type Trail = IndexSet<(usize, Link)>;
+
 /// The fault was reported, or will be.
 struct Reported;
 
@@ -23,6 +26,9 @@ impl Compiler<'_> {
         for scope in 0..self.scopes.len() {
             let document = self.scopes[scope].document.clone();
             for (name, node) in &document.nodes {
+                if self.has_enough_errors() {
+                    return;
+                }
                 match &node.body {
                     Body::Graph { .. } => self.check_subgraph(scope, name, node),
                     Body::Type { .. } => self.connect_node(scope, name, node),
@@ -64,6 +70,8 @@ impl Compiler<'_> {
         let full = format!("{}{name}", self.scopes[scope].prefix);
         // Ports that something is wired to, or was meant to be.
         let mut wired = Vec::new();
+        // A slip of the pen is told as such, not again as an input without wire.
+        let mut has_slip = !node.extra.is_empty();
         for (port, links) in &node.inputs {
             let to_type = match &spec {
                 None => None,
@@ -72,6 +80,7 @@ impl Compiler<'_> {
                         let message = format!("`{id}` has no input `{port}`");
                         let error = document.error_at_key(&["nodes", name, "inputs", port], message);
                         self.report(error.help(suggest(port, names(&spec.inputs), "inputs")));
+                        has_slip = true;
                         continue;
                     };
                     Some(input.value_type)
@@ -79,7 +88,7 @@ impl Compiler<'_> {
             };
             for (index, link) in links.iter().enumerate() {
                 let at = ["nodes", name, "inputs", port, &index.to_string()];
-                let Ok(sources) = self.resolve(scope, link, &at, &mut Vec::new()) else {
+                let Ok(sources) = self.resolve(scope, link, &at, &mut Trail::new()) else {
                     wired.push(port);
                     continue;
                 };
@@ -110,7 +119,7 @@ impl Compiler<'_> {
                 }
             }
         }
-        if target.is_none() {
+        if target.is_none() || has_slip {
             return;
         }
         for input in spec.iter().flat_map(|spec| &spec.inputs) {
@@ -159,12 +168,12 @@ impl Compiler<'_> {
         scope: usize,
         link: &Link,
         at: &[&str],
-        trail: &mut Vec<(usize, Link)>,
+        trail: &mut Trail,
     ) -> Result<Vec<Source>, Reported> {
         let document = self.scopes[scope].document.clone();
         let step = (scope, link.clone());
-        if let Some(first) = trail.iter().position(|before| *before == step) {
-            let around = trail[first..].iter().chain([&step]);
+        if let Some(first) = trail.get_index_of(&step) {
+            let around = trail.iter().skip(first).chain([&step]);
             let path: Vec<_> =
                 around.map(|(scope, link)| format!("{}{}", self.scopes[*scope].prefix, link.node)).collect();
             let error = document.error(at, GraphError::Cycle { path }.to_string());
@@ -176,7 +185,7 @@ impl Compiler<'_> {
             self.report(document.error(at, message).help("remove some of them"));
             return Err(Reported);
         }
-        trail.push(step);
+        trail.insert(step);
         let sources = self.resolve_step(scope, link, at, trail);
         trail.pop();
         sources
@@ -187,7 +196,7 @@ impl Compiler<'_> {
         scope: usize,
         link: &Link,
         at: &[&str],
-        trail: &mut Vec<(usize, Link)>,
+        trail: &mut Trail,
     ) -> Result<Vec<Source>, Reported> {
         let document = self.scopes[scope].document.clone();
         let Link { node: name, port } = link;
@@ -263,7 +272,7 @@ impl Compiler<'_> {
         scope: usize,
         name: &str,
         port: &str,
-        trail: &mut Vec<(usize, Link)>,
+        trail: &mut Trail,
     ) -> Result<Vec<Source>, Reported> {
         let document = self.scopes[scope].document.clone();
         let links = document.nodes.get(name).and_then(|node| node.inputs.get(port));
@@ -283,7 +292,7 @@ impl Compiler<'_> {
         at: &[&str],
         value_type: Option<ValueType>,
         inputs: Vec<(String, ValueType)>,
-        trail: &mut Vec<(usize, Link)>,
+        trail: &mut Trail,
     ) -> Result<Vec<Source>, Reported> {
         let full = format!("{}{link}", self.scopes[scope].prefix);
         let refuse = |compiler: &mut Self, why: String, help: &str| {
@@ -310,8 +319,13 @@ impl Compiler<'_> {
 
     /// A placeholder in the place of an output that there is none of.
     fn stand_in(&mut self, name: &str, error: DocumentError) -> Vec<Source> {
-        let known = self.missing.keys().find(|id| self.builder.name(**id) == name).copied();
-        let id = known.or_else(|| self.add_missing(name, name, error));
+        let id = match self.stand_ins.get(name) {
+            Some(id) => Some(*id),
+            None => self.add_missing(name, name, error),
+        };
+        if let Some(id) = id {
+            self.stand_ins.insert(name.to_owned(), id);
+        }
         id.map(|id| (id, String::new())).into_iter().collect()
     }
 
@@ -336,7 +350,7 @@ impl Compiler<'_> {
 
     /// The output of the flat graph behind a link of a scope; what is wrong is reported.
     pub(super) fn output_of(&mut self, scope: usize, link: &Link, at: &[&str]) -> Option<OutputRef> {
-        let sources = self.resolve(scope, link, at, &mut Vec::new()).ok()?;
+        let sources = self.resolve(scope, link, at, &mut Trail::new()).ok()?;
         let (node, port) = sources.first()?;
         match self.builder.output(*node, port) {
             Ok(output) => Some(output),
@@ -355,6 +369,9 @@ impl Compiler<'_> {
             let current = &self.scopes[scope];
             let (document, prefix) = (current.document.clone(), current.prefix.clone());
             for (name, node) in &document.nodes {
+                if self.has_enough_errors() {
+                    return aliases;
+                }
                 let ports: Vec<String> = match (&node.body, current_child(self, scope, name)) {
                     (Body::Graph { .. }, Some(child)) => {
                         self.scopes[child].document.outputs.keys().cloned().collect()

@@ -149,12 +149,23 @@ impl DocumentErrors {
     /// How many are told at once.
     pub const MOST: usize = 20;
 
+    /// The errors file by file, each from its start; those about no file come first.
     pub(crate) fn new(mut errors: Vec<DocumentError>) -> Self {
+        let mut paths: Vec<Option<String>> = vec![None];
+        for error in &errors {
+            if !paths.iter().any(|path| path.as_deref() == error.path()) {
+                paths.push(error.path().map(str::to_owned));
+            }
+        }
+        errors.sort_by_key(|error| {
+            let file = paths.iter().position(|path| path.as_deref() == error.path());
+            (file, error.span.as_ref().map(|span| span.start))
+        });
         errors.truncate(Self::MOST);
         Self(errors)
     }
 
-    /// The errors, in the order in which they were found.
+    /// The errors file by file, from the start of each.
     #[must_use]
     pub fn errors(&self) -> &[DocumentError] {
         &self.0

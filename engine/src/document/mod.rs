@@ -7,7 +7,8 @@
 mod error;
 mod literal;
 mod read;
-pub(crate) mod syntax;
+mod syntax;
+mod types;
 mod write;
 
 use std::{fmt, io::Read, ops::Range, path::Path, sync::Arc};
@@ -19,6 +20,7 @@ pub(crate) use error::SourceText;
 pub use error::{DocumentError, DocumentErrors};
 pub use literal::Literal;
 pub(crate) use literal::quote;
+pub(crate) use read::NODE_FIELDS;
 use syntax::{Shape, Tree};
 pub(crate) use write::node_ron;
 
@@ -52,6 +54,35 @@ pub struct Document {
 struct Source {
     text: SourceText,
     tree: Tree,
+    /// Places of the nodes among the tree's entries, so that messages about many nodes stay cheap.
+    nodes: IndexMap<String, usize>,
+}
+
+impl Source {
+    fn new(text: SourceText, tree: Tree) -> Self {
+        let entries = find(&tree, text.text(), "nodes").and_then(|(_, nodes)| nodes.entries());
+        let names = entries.into_iter().flatten().enumerate();
+        let nodes = names
+            .filter_map(|(index, entry)| Some((entry.key.name(text.text())?.to_owned(), index)))
+            .collect();
+        Self { text, tree, nodes }
+    }
+
+    /// The name and the value of a node.
+    fn node(&self, name: &str) -> Option<(&Tree, &Tree)> {
+        let (_, nodes) = find(&self.tree, self.text.text(), "nodes")?;
+        let entry = nodes.entries()?.get(*self.nodes.get(name)?)?;
+        Some((&entry.key, &entry.value))
+    }
+
+    fn locate(&self, at: &[&str], want_key: bool) -> Range<usize> {
+        if let ["nodes", name, rest @ ..] = at
+            && let Some(node) = self.node(name)
+        {
+            return locate(node, self.text.text(), rest, want_key);
+        }
+        locate((&self.tree, &self.tree), self.text.text(), at, want_key)
+    }
 }
 
 /// A parameter of a graph: another name for a parameter of one of its nodes.
@@ -241,7 +272,7 @@ impl Document {
             )
         })?;
         let mut document = read::document(&source, &tree)?;
-        document.source = Some(Arc::new(Source { text: source, tree }));
+        document.source = Some(Arc::new(Source::new(source, tree)));
         Ok(document)
     }
 
@@ -277,7 +308,7 @@ impl Document {
     fn error_about(&self, at: &[&str], key: bool, message: impl Into<String>) -> DocumentError {
         match &self.source {
             Some(source) => {
-                let span = locate(&source.tree, source.text.text(), at, key);
+                let span = source.locate(at, key);
                 DocumentError::at(&source.text, Some(span), message)
             }
             None => DocumentError::new(message),
@@ -288,8 +319,7 @@ impl Document {
     fn verbatim(&self, name: &str) -> Option<&str> {
         let source = self.source.as_ref()?;
         let text = source.text.text();
-        let nodes = find(&source.tree, text, "nodes")?;
-        let tree = &find(&nodes.1, text, name)?.1;
+        let (_, tree) = source.node(name)?;
         let node = read::node_of(&source.text, tree)?;
         (self.nodes.get(name) == Some(&node)).then(|| &text[tree.span.clone()])
     }
@@ -319,8 +349,8 @@ fn find<'a>(tree: &'a Tree, text: &str, name: &str) -> Option<(&'a Tree, &'a Tre
     Some((&entry.key, &entry.value))
 }
 
-fn locate(root: &Tree, text: &str, at: &[&str], want_key: bool) -> Range<usize> {
-    let (mut key, mut value) = (root, root);
+fn locate(from: (&Tree, &Tree), text: &str, at: &[&str], want_key: bool) -> Range<usize> {
+    let (mut key, mut value) = from;
     for step in at {
         let next = match &value.shape {
             Shape::List(items) | Shape::Tuple(items) => {

@@ -1,18 +1,18 @@
 //! From the syntax tree to the model.
 
 use indexmap::IndexMap;
-use orograph_core::ValueType;
-use serde::{Deserialize, de::IntoDeserializer};
 
 use super::{
     Body, Document, DocumentError, DocumentErrors, Exposed, FORMAT, Frame, GRAPH, GraphInput, Layout, Link,
     Literal, Node, SourceText, is_name,
     syntax::{Entry, Shape, Tree},
+    types::value_type,
 };
 use crate::registry::nearest;
 
 const DOCUMENT: [&str; 7] = ["format", "doc", "expose", "inputs", "outputs", "nodes", "layout"];
-const NODE: [&str; 7] = ["node", "version", "graph", "params", "inputs", "bypass", "comment"];
+pub(crate) const NODE_FIELDS: [&str; 7] =
+    ["node", "version", "graph", "params", "inputs", "bypass", "comment"];
 
 pub(super) fn document(source: &SourceText, tree: &Tree) -> Result<Document, DocumentErrors> {
     let mut reader = Reader { source, errors: Vec::new() };
@@ -37,8 +37,11 @@ impl<'a> Reader<'a> {
     }
 
     fn report(&mut self, tree: &Tree, message: impl Into<String>, help: Option<String>) {
-        let error = DocumentError::at(self.source, Some(tree.span.clone()), message);
-        self.errors.push(error.maybe_help(help));
+        // A hostile file can hold a million faults; more than are told need not be kept.
+        if self.errors.len() < DocumentErrors::MOST {
+            let error = DocumentError::at(self.source, Some(tree.span.clone()), message);
+            self.errors.push(error.maybe_help(help));
+        }
     }
 
     fn expected(&mut self, tree: &Tree, what: &str) {
@@ -287,7 +290,7 @@ impl<'a> Reader<'a> {
                     _ => self.expected(value, "`true` or `false`"),
                 },
                 "comment" => node.comment = self.string(value).unwrap_or_default(),
-                name if NODE.contains(&name) => {}
+                name if NODE_FIELDS.contains(&name) => {}
                 _ => {
                     if !matches!(entry.key.shape, Shape::Word) {
                         self.expected(&entry.key, "a field's name without quotes");
@@ -337,7 +340,7 @@ impl<'a> Reader<'a> {
                 if tree.entries().is_some() {
                     let help = "write `node: \"family.algorithm\"`, or `graph: \"file.ron\"`".to_owned();
                     let near = fields.iter().find_map(|(name, entry)| {
-                        nearest(name, NODE).filter(|near| near != name).map(|near| (name, near, entry))
+                        nearest(name, NODE_FIELDS).filter(|near| near != name).map(|near| (name, near, entry))
                     });
                     match near {
                         Some((name, near, entry)) => self.report(
@@ -397,31 +400,5 @@ impl<'a> Reader<'a> {
         };
         let [x, y, width, height] = self.numbers(&entry.value)?;
         Some(Frame { title, rect: (x, y, width, height) })
-    }
-}
-
-/// The type of that name, or help in choosing one; the names are those that `serde` gives the variants.
-fn value_type(name: &str) -> Result<ValueType, String> {
-    let deserializer: serde::de::value::StrDeserializer<'_, Unknown> = name.into_deserializer();
-    ValueType::deserialize(deserializer).map_err(|Unknown(known)| {
-        match nearest(name, known.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the types are {}", known.join(", ")),
-        }
-    })
-}
-
-/// Carries the known names out of a failed lookup.
-#[derive(Debug, thiserror::Error)]
-#[error("unknown name")]
-struct Unknown(&'static [&'static str]);
-
-impl serde::de::Error for Unknown {
-    fn custom<T: std::fmt::Display>(_: T) -> Self {
-        Self(&[])
-    }
-
-    fn unknown_variant(_: &str, expected: &'static [&'static str]) -> Self {
-        Self(expected)
     }
 }

@@ -82,7 +82,10 @@ impl Node for Smooth {
     type Inputs<'a> = SmoothIn<'a>;
     type Outputs = TerrainOut;
     fn run(&self, inputs: SmoothIn<'_>, _: &Job) -> Result<TerrainOut> {
-        Ok(TerrainOut { terrain: inputs.terrain.clone() })
+        match inputs.mask {
+            None => Ok(TerrainOut { terrain: inputs.terrain.clone() }),
+            Some(_) => Err(Error::invalid("never run with a mask", "")),
+        }
     }
     fn check(&self) -> Result<()> {
         if self.rounds > 5 && self.radius > 500.0 {
@@ -154,8 +157,8 @@ impl Node for Sheet {
     const WRITES: bool = true;
     type Inputs<'a> = SheetIn<'a>;
     type Outputs = ();
-    fn run(&self, _: SheetIn<'_>, _: &Job) -> Result<()> {
-        Ok(())
+    fn run(&self, inputs: SheetIn<'_>, _: &Job) -> Result<()> {
+        if inputs.pictures.is_empty() { Err(Error::EmptyInput { what: "pictures".into() }) } else { Ok(()) }
     }
 }
 
@@ -167,5 +170,5 @@ pub(crate) fn registry() -> Registry {
         NodeType::of::<Shade>(),
         NodeType::of::<Sheet>(),
     ])
-    .unwrap()
+    .expect("ids differ")
 }
