@@ -5,14 +5,23 @@ pub(crate) mod bottom_up;
 pub mod mcmd;
 pub mod md;
 pub mod mdbu;
+pub mod random_decimate;
 #[cfg(test)]
 mod reference;
+pub(crate) mod selection;
 pub mod settings;
+pub mod sobel_decimate;
 pub(crate) mod top_down;
 
 use orograph_core::NodeType;
 
 /// The nodes of this family.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    vec![NodeType::of::<mcmd::Mcmd>(), NodeType::of::<mdbu::Mdbu>(), NodeType::of::<md::Md>()]
+    vec![
+        NodeType::of::<mcmd::Mcmd>(),
+        NodeType::of::<mdbu::Mdbu>(),
+        NodeType::of::<md::Md>(),
+        NodeType::of::<random_decimate::RandomDecimate>(),
+        NodeType::of::<sobel_decimate::SobelDecimate>(),
+    ]
 }
