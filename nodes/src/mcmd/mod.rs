@@ -2,14 +2,19 @@
 
 pub(crate) mod axis;
 pub(crate) mod bottom_up;
+pub mod curve;
+pub(crate) mod extent;
 pub mod mcmd;
 pub mod md;
 pub mod mdbu;
 pub mod random_decimate;
+pub(crate) mod raster_line;
 #[cfg(test)]
 mod reference;
 pub(crate) mod selection;
 pub mod settings;
+pub mod skeleton;
+pub mod sketch;
 pub mod sobel_decimate;
 pub(crate) mod top_down;
 
@@ -23,5 +28,8 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<md::Md>(),
         NodeType::of::<random_decimate::RandomDecimate>(),
         NodeType::of::<sobel_decimate::SobelDecimate>(),
+        NodeType::of::<skeleton::Skeleton>(),
+        NodeType::of::<sketch::Sketch>(),
+        NodeType::of::<curve::Curve>(),
     ]
 }
