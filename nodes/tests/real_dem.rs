@@ -6,6 +6,7 @@
 
 mod real_dem {
     pub(crate) mod io;
+    pub(crate) mod mcmd;
 }
 
 use std::{
@@ -31,7 +32,7 @@ impl Check {
 }
 
 fn checks() -> Vec<Check> {
-    [real_dem::io::checks()].into_iter().flatten().collect()
+    [real_dem::io::checks(), real_dem::mcmd::checks()].into_iter().flatten().collect()
 }
 
 fn main() -> ExitCode {

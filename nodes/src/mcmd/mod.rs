@@ -16,6 +16,8 @@ pub mod settings;
 pub mod skeleton;
 pub mod sketch;
 pub mod sobel_decimate;
+#[cfg(test)]
+mod spectrum;
 pub(crate) mod top_down;
 
 use orograph_core::NodeType;
