@@ -138,7 +138,7 @@ impl Tile {
         }
         loop {
             write(row, col, self.at(row, col));
-            let right = (row - self.rows.0) % 2 == 0;
+            let right = (row - self.rows.0).is_multiple_of(2);
             if col != if right { last_col } else { first_col } {
                 let next = if right { col + 1 } else { col - 1 };
                 let (gone, come) = if right {

@@ -67,7 +67,8 @@ impl Node for SobelDecimate {
             let corner = on(row, last_row) && on(col, last_col);
             let step = self.border_step as usize;
             let beat = step > 0
-                && ((on(row, last_row) && col % step == 0) || (on(col, last_col) && row % step == 0));
+                && ((on(row, last_row) && col.is_multiple_of(step))
+                    || (on(col, last_col) && row.is_multiple_of(step)));
             (self.corners && corner) || beat
         };
         let constraints = keep_least(terrain, self.keep, rank, always, job)?;

@@ -94,7 +94,8 @@ fn hull(constraints: &Heightfield) -> Vec<(f64, f64)> {
     let (rows, cols) = constraints.grid().size();
     let known = |row: usize| (0..cols).filter(move |&col| !constraints.at(row, col).is_nan());
     let west: Vec<_> = (0..rows).filter_map(|row| Some((row as f64, known(row).next()? as f64))).collect();
-    let east: Vec<_> = (0..rows).filter_map(|row| Some((row as f64, -(known(row).last()? as f64)))).collect();
+    let east: Vec<_> =
+        (0..rows).filter_map(|row| Some((row as f64, -(known(row).next_back()? as f64)))).collect();
     let (west, east) = (lower_chain(&west), lower_chain(&east));
     let at = |chain: &[(f64, f64)], row: f64| {
         let pair = chain.windows(2).find(|pair| (pair[0].0..=pair[1].0).contains(&row))?;

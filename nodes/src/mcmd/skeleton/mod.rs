@@ -2,7 +2,7 @@
 //!
 //! Belhadj (2007) starts terrains from scratch with such a skeleton and says little of it, so this is our own: ridges
 //! wander out from summits on fractal headings and sink like a bell; rivers rise beside them and run down the surface
-//! that the ridges span, never over a ridge, never uphill, one into another. Lengths are shares of the diagonal, so a
+//! that the ridges span, never over a ridge, never uphill, one into another, and out of its pits by the nearest border. Lengths are shares of the diagonal, so a
 //! preview has the ridges of the build.
 
 mod ridges;
@@ -111,7 +111,7 @@ fn spanned(ridges: &Heightfield, job: &Job<'_>) -> Result<Heightfield> {
     Ok(reconstruct(ridges, &known, &settings, job)?.0)
 }
 
-/// Half the number of cells round a cell: the furthest that a walk can go on a grid, in cells.
+/// Diagonal of a grid, in cells.
 fn diagonal(grid: &Grid) -> f64 {
     libm::hypot(grid.cols as f64, grid.rows as f64)
 }

@@ -20,6 +20,15 @@ const TRIES: i64 = 16;
 /// How much of the old heading a river keeps at each cell.
 const INERTIA: f64 = 0.6;
 
+/// Cells that a river runs without finding lower ground before it takes the place for a pit and makes for the border.
+const PATIENCE: usize = 8;
+
+/// Share of the diagonal that it goes on like that before it ends as a lake.
+const PERSISTENCE: f64 = 0.5;
+
+/// Cells to either side between which the slope is taken.
+const SLOPE_REACH: usize = 4;
+
 /// Cells of all rivers.
 #[derive(Debug, Default)]
 pub(super) struct Rivers {
@@ -95,16 +104,28 @@ impl Land<'_> {
     /// Direction of steepest descent (rows, columns); none on level ground.
     fn descent(&self, (row, col): Cell) -> Option<(f64, f64)> {
         let (rows, cols) = self.surface.grid().size();
-        let (up, down) = (row.saturating_sub(2), (row + 2).min(rows - 1));
-        let (west, east) = (col.saturating_sub(2), (col + 2).min(cols - 1));
+        let (up, down) = (row.saturating_sub(SLOPE_REACH), (row + SLOPE_REACH).min(rows - 1));
+        let (west, east) = (col.saturating_sub(SLOPE_REACH), (col + SLOPE_REACH).min(cols - 1));
         let height = |row, col| f64::from(self.surface.at(row, col));
         let along_rows = (height(up, col) - height(down, col)) / down.abs_diff(up).max(1) as f64;
         let along_cols = (height(row, west) - height(row, east)) / east.abs_diff(west).max(1) as f64;
         unit_vector((along_rows, along_cols))
     }
 
-    /// The next cell from a place under a heading, turned as little as needed past ridges and the river itself;
-    /// `Err` at the border or where there is no way on.
+    /// Direction of the nearest border.
+    fn outward(&self, (row, col): Cell) -> (f64, f64) {
+        let (rows, cols) = self.ridges.grid().size();
+        let ways = [
+            (row, (-1.0, 0.0)),
+            (rows - 1 - row, (1.0, 0.0)),
+            (col, (0.0, -1.0)),
+            (cols - 1 - col, (0.0, 1.0)),
+        ];
+        ways.into_iter().min_by_key(|way| way.0).map_or((0.0, 0.0), |way| way.1)
+    }
+
+    /// The next cell from a place under a heading, turned as little as needed past ridges and the river itself; none
+    /// at the border or where there is no way on.
     fn step(&self, here: (f64, f64), heading: (f64, f64), own: &[usize]) -> Option<Step> {
         let from = self.cell_at(here.0, here.1)?;
         for turn in (0..25).map(|k| f64::from((k + 1) / 2) * if k % 2 == 0 { 1.0 } else { -1.0 }) {
@@ -130,13 +151,23 @@ impl Land<'_> {
         let mut height = f64::from(self.surface.at(cell.0, cell.1));
         let mut course = vec![self.index(cell)];
         self.rivers.heights.insert(course[0], height as f32);
-        let longest = 4 * (self.ridges.rows() + self.ridges.cols());
-        for _ in 0..longest {
+        let patience = PATIENCE + (PERSISTENCE * diagonal(self.ridges.grid())) as usize;
+        let (mut lowest, mut in_vain, mut way_out) = (height, 0, None);
+        while in_vain < patience {
             job.check()?;
-            if let Some(descent) = self.descent(cell) {
-                let bent = |old: f64, down: f64| INERTIA * old + (1.0 - INERTIA) * down;
-                let bent = (bent(heading.0, descent.0), bent(heading.1, descent.1));
-                heading = unit_vector(bent).unwrap_or(descent);
+            let ground = f64::from(self.surface.at(cell.0, cell.1));
+            if ground < lowest {
+                (lowest, in_vain, way_out) = (ground, 0, None);
+            } else {
+                in_vain += 1;
+            }
+            if in_vain > PATIENCE && way_out.is_none() {
+                way_out = Some(self.outward(cell));
+            }
+            if let Some(goal) = way_out.or_else(|| self.descent(cell)) {
+                let bent = |old: f64, goal: f64| INERTIA * old + (1.0 - INERTIA) * goal;
+                let bent = (bent(heading.0, goal.0), bent(heading.1, goal.1));
+                heading = unit_vector(bent).unwrap_or(goal);
             }
             let Some(step) = self.step(place, heading, &course) else { break };
             (place, heading) = (step.place, step.heading);
