@@ -35,16 +35,16 @@ fn constraints(side: usize) -> Heightfield {
         let kept = unit(key(2, 0, col as i64, row as i64)) < KEEP;
         if kept { height(row, col) as f32 } else { f32::NAN }
     });
-    let grid = Grid::new(side, side, CellSize::square(10.0)).unwrap();
-    Heightfield::new(grid, cells.collect()).unwrap()
+    let grid = Grid::new(side, side, CellSize::square(10.0)).expect("the side is small");
+    Heightfield::new(grid, cells.collect()).expect("one height a cell")
 }
 
 /// Nothing known but two corners: every other cell is displaced.
 fn corners(side: usize) -> Heightfield {
-    let grid = Grid::new(side, side, CellSize::square(10.0)).unwrap();
+    let grid = Grid::new(side, side, CellSize::square(10.0)).expect("the side is small");
     let mut cells = vec![f32::NAN; side * side];
     (cells[0], cells[side * side - 1]) = (0.0, 1000.0);
-    Heightfield::new(grid, cells).unwrap()
+    Heightfield::new(grid, cells).expect("one height a cell")
 }
 
 #[divan::bench(args = [1025, 4097], sample_count = 5)]

@@ -172,7 +172,7 @@ fn scattered(rows: usize, cols: usize, seed: u64) -> Heightfield {
     field(rows, cols, |row, col| {
         let bits = key(seed, 1, col as i64, row as i64);
         let lone = (row, col) == (rows / 2, cols / 3);
-        if lone || bits % 40 == 0 { 1000.0 * signed_unit(mix64(bits)) } else { f64::NAN }
+        if lone || bits.is_multiple_of(40) { 1000.0 * signed_unit(mix64(bits)) } else { f64::NAN }
     })
 }
 

@@ -373,7 +373,9 @@ mod tests {
     /// A disc, a bar that reaches the border, and specks.
     fn is_void(row: usize, col: usize) -> bool {
         let (dy, dx) = (row as f64 - 30.0, col as f64 - 40.0);
-        dx * dx + dy * dy < 400.0 || (row > 55 && col == 70) || key(1, 1, row as i64, col as i64) % 50 == 0
+        dx * dx + dy * dy < 400.0
+            || (row > 55 && col == 70)
+            || key(1, 1, row as i64, col as i64).is_multiple_of(50)
     }
 
     #[test]
