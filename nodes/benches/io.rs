@@ -1,0 +1,5 @@
+//! Throughput of the formats.
+
+fn main() {
+    divan::main();
+}

@@ -1,0 +1,90 @@
+//! What every reader and writer of this family shares: whole files in, whole files out, and the checks that
+//! no format spares us.
+
+use std::{
+    fs::File,
+    io::{BufWriter, Read, Write},
+};
+
+use orograph_core::OutputStream;
+use orograph_core::prelude::*;
+use rayon::prelude::*;
+
+/// Reads the whole file; also returns its name, which errors and formats go by.
+pub(crate) fn load(path: &InputPath, job: &Job) -> Result<(Vec<u8>, String)> {
+    if path.0.is_empty() {
+        return Err(Error::invalid("`file` names no file", "give the path of the file to read"));
+    }
+    let full = job.input_path(path)?;
+    let name = full.file_name().map_or_else(|| path.0.clone(), |name| name.to_string_lossy().into_owned());
+    let refused = |reason: std::io::Error| Error::reading(&path.0, reason);
+    let mut file = File::open(&full).map_err(refused)?;
+    let len = file.metadata().map_err(refused)?.len();
+    job.admit(len, || format!("the file {name}"))?;
+    let mut bytes = Vec::new();
+    let wanted = usize::try_from(len).unwrap_or(usize::MAX);
+    bytes.try_reserve_exact(wanted).map_err(|reason| Error::reading(&path.0, reason))?;
+    // Reading in pieces keeps a long read cancellable.
+    const PIECE: u64 = 16 << 20;
+    loop {
+        job.check()?;
+        if Read::by_ref(&mut file).take(PIECE).read_to_end(&mut bytes).map_err(refused)? == 0 {
+            return Ok((bytes, name));
+        }
+        job.admit(bytes.len() as u64, || format!("the file {name}"))?;
+    }
+}
+
+/// Writes a file through `fill`, which gets a buffered stream; the file appears only when all went well.
+pub(crate) fn save(
+    path: &OutputPath,
+    job: &Job,
+    fill: impl FnOnce(&mut BufWriter<Box<dyn OutputStream>>) -> Result<()>,
+) -> Result<()> {
+    let mut out = BufWriter::with_capacity(1 << 18, job.create(path)?);
+    fill(&mut out)?;
+    job.check()?;
+    out.flush().map_err(|reason| Error::writing(&path.0, reason))?;
+    out.into_inner().map_err(|failed| Error::writing(&path.0, failed.error()))?.finish()
+}
+
+/// Writes bytes made in memory.
+pub(crate) fn save_bytes(path: &OutputPath, bytes: &[u8], job: &Job) -> Result<()> {
+    save(path, job, |out| {
+        bytes.chunks(16 << 20).try_for_each(|piece| {
+            job.check()?;
+            out.write_all(piece).map_err(|reason| Error::writing(&path.0, reason))
+        })
+    })
+}
+
+/// Refuses a raster with an infinite height: no node downstream could make sense of it.
+pub(crate) fn refuse_infinite(terrain: &Heightfield, name: &str) -> Result<()> {
+    const PART: usize = 1 << 16;
+    let place = terrain.cells().par_chunks(PART).enumerate().find_map_first(|(part, cells)| {
+        cells.iter().position(|height| height.is_infinite()).map(|at| part * PART + at)
+    });
+    let cols = terrain.cols().max(1);
+    place.map_or(Ok(()), |at| Err(Error::NonFinite { what: name.into(), row: at / cols, col: at % cols }))
+}
+
+/// Refuses to write a raster that no format could hold, or that no reader would take back.
+pub(crate) fn refuse_empty<K: orograph_core::Kind>(raster: &Raster<K>, what: &str) -> Result<()> {
+    if raster.grid().is_empty() { Err(Error::EmptyInput { what: what.into() }) } else { Ok(()) }
+}
+
+/// Whether the name ends in `.extension`, in whatever case.
+pub(crate) fn has_extension(name: &str, extension: &str) -> bool {
+    name.rsplit_once('.').is_some_and(|(_, found)| found.eq_ignore_ascii_case(extension))
+}
+
+/// Refuses an output name whose extension says another format than the one written.
+pub(crate) fn check_extension(path: &OutputPath, allowed: &[&str]) -> Result<()> {
+    if allowed.iter().any(|extension| has_extension(&path.0, extension)) {
+        return Ok(());
+    }
+    Err(Error::invalid(
+        format!("`{}` does not end in .{}", path.0, allowed.join(" or .")),
+        format!("name the file `….{}`", allowed.first().unwrap_or(&"")),
+    ))
+}

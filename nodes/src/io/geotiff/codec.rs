@@ -1,0 +1,134 @@
+//! Compression of strips and tiles: none, deflate (both codes) and LZW.
+
+use std::cell::RefCell;
+
+use flate2::{Compress, Decompress, FlushCompress, FlushDecompress, Status};
+use weezl::{BitOrder, decode, encode};
+
+/// How a strip or tile is packed, by its number in the file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Packing {
+    None,
+    Lzw,
+    Deflate,
+}
+
+impl Packing {
+    /// The packing with that number, or the name of one that is not supported.
+    pub(super) fn from_code(code: u64) -> Result<Self, String> {
+        match code {
+            1 => Ok(Self::None),
+            5 => Ok(Self::Lzw),
+            8 | 32946 => Ok(Self::Deflate),
+            other => Err(match other {
+                2 => "CCITT RLE",
+                3 => "CCITT group 3 fax",
+                4 => "CCITT group 4 fax",
+                6 | 7 => "JPEG",
+                32773 => "PackBits",
+                34712 => "JPEG 2000",
+                34887 => "LERC",
+                34925 => "LZMA",
+                34926 | 50000 => "Zstandard",
+                34927 | 50001 => "WebP",
+                50002 | 52546 => "JPEG XL",
+                _ => return Err(format!("compression {other}")),
+            }
+            .to_owned()),
+        }
+    }
+
+    /// The most bytes that `packed` bytes can unpack to: deflate codes at best 258 bytes in 2 bits, LZW a
+    /// 4 KiB phrase in 9 bits. A header that promises more lies, and no memory is taken for it.
+    pub(super) fn most(self, packed: usize) -> usize {
+        match self {
+            Self::None => packed,
+            Self::Lzw => packed.saturating_mul(4096),
+            Self::Deflate => packed.saturating_mul(1032),
+        }
+    }
+
+    /// Fills `out` from `packed`; what would not fit is never made. `false` when the bytes are corrupt or do
+    /// not fill `out`.
+    pub(super) fn unpack(self, packed: &[u8], out: &mut [u8]) -> bool {
+        match self {
+            Self::None => {
+                let Some(exact) = packed.get(..out.len()) else { return false };
+                out.copy_from_slice(exact);
+                true
+            }
+            Self::Lzw => unpack_lzw(packed, out),
+            Self::Deflate => inflate(packed, out),
+        }
+    }
+}
+
+fn inflate(packed: &[u8], out: &mut [u8]) -> bool {
+    thread_local! {
+        static INFLATE: RefCell<Decompress> = RefCell::new(Decompress::new(true));
+    }
+    INFLATE.with_borrow_mut(|inflate| {
+        inflate.reset(true);
+        match inflate.decompress(packed, out, FlushDecompress::Finish) {
+            // `BufError` and `Ok` also mean that the stream would go on: more than the image needs.
+            Ok(Status::StreamEnd | Status::BufError | Status::Ok) => inflate.total_out() == out.len() as u64,
+            Err(_) => false,
+        }
+    })
+}
+
+fn unpack_lzw(packed: &[u8], out: &mut [u8]) -> bool {
+    // Files from before TIFF 6 count bits from the other end; they begin with a clear code of zero bits.
+    let old = packed.first() == Some(&0) && packed.get(1).is_some_and(|byte| byte & 1 == 1);
+    let mut decoder = if old {
+        decode::Decoder::new(BitOrder::Lsb, 8)
+    } else {
+        decode::Decoder::with_tiff_size_switch(BitOrder::Msb, 8)
+    };
+    let (mut used, mut made) = (0, 0);
+    while made < out.len() {
+        let step = decoder.decode_bytes(&packed[used..], &mut out[made..]);
+        used += step.consumed_in;
+        made += step.consumed_out;
+        match step.status {
+            Ok(weezl::LzwStatus::Ok) if step.consumed_in + step.consumed_out > 0 => {}
+            Ok(_) => break,
+            Err(_) => return false,
+        }
+    }
+    made == out.len()
+}
+
+/// Deflates `bytes` with a zlib header.
+pub(super) fn deflate(bytes: &[u8], level: u32) -> Vec<u8> {
+    thread_local! {
+        static DEFLATE: RefCell<Option<(u32, Compress)>> = const { RefCell::new(None) };
+    }
+    DEFLATE.with_borrow_mut(|slot| {
+        let fresh = || (level, Compress::new(flate2::Compression::new(level), true));
+        let (held, deflate) = slot.get_or_insert_with(fresh);
+        if *held == level {
+            deflate.reset();
+        } else {
+            (*held, *deflate) = fresh();
+        }
+        let mut out = Vec::with_capacity(bytes.len() / 2 + 64);
+        loop {
+            let used = deflate.total_in() as usize;
+            match deflate.compress_vec(&bytes[used..], &mut out, FlushCompress::Finish) {
+                Ok(Status::StreamEnd) => return out,
+                // Deflating into a growing vector has nothing else to report.
+                _ => out.reserve(bytes.len() / 2 + 64),
+            }
+        }
+    })
+}
+
+/// Packs `bytes` with LZW as TIFF 6 has it.
+pub(super) fn lzw(bytes: &[u8]) -> Vec<u8> {
+    let mut out = Vec::with_capacity(bytes.len() / 2 + 64);
+    let mut encoder = encode::Encoder::with_tiff_size_switch(BitOrder::Msb, 8);
+    // Encoding eight-bit bytes to memory cannot fail.
+    let _ = encoder.into_vec(&mut out).encode_all(bytes);
+    out
+}

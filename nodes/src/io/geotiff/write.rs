@@ -1,0 +1,401 @@
+//! Writing.
+
+use std::io::{Seek, SeekFrom, Write};
+
+use orograph_core::prelude::*;
+use rayon::prelude::*;
+
+use super::{codec, geokeys::GeoTags, sample, tag};
+
+/// How heights are stored.
+#[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum SampleType {
+    /// 32-bit floating point: every height as it is.
+    Float32,
+    /// Whole metres from -32768 to 32767.
+    Int16,
+    /// Whole metres from 0 to 65535.
+    Uint16,
+}
+
+/// How bytes are packed.
+#[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Compression {
+    /// Deflate, which every GIS reads.
+    Deflate,
+    /// LZW, for very old software.
+    Lzw,
+    /// None.
+    None,
+}
+
+/// How cells are grouped.
+#[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layout {
+    /// Tiles of 256 × 256 cells: quick to view in part.
+    Tiles,
+    /// Strips of whole rows: what the simplest readers expect.
+    Strips,
+}
+
+/// How to write a GeoTIFF.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Options {
+    /// How heights are stored.
+    pub sample: SampleType,
+    /// How bytes are packed.
+    pub compression: Compression,
+    /// Effort of deflate, 1 (fast) to 9 (small).
+    pub level: u32,
+    /// How cells are grouped.
+    pub layout: Layout,
+    /// The value written for voids.
+    pub nodata: f64,
+    /// Writes BigTIFF even where 4 GiB would do.
+    pub big: bool,
+}
+
+impl Default for Options {
+    fn default() -> Self {
+        Self {
+            sample: SampleType::Float32,
+            compression: Compression::Deflate,
+            level: 1,
+            layout: Layout::Tiles,
+            nodata: -32768.0,
+            big: false,
+        }
+    }
+}
+
+/// Sides of a tile, and about how many bytes a strip should have.
+const TILE: usize = 256;
+const STRIP_BYTES: usize = 1 << 18;
+/// Chunks packed before the next are begun; bounds the memory for packed bytes.
+const BATCH: usize = 64;
+/// A classic file's offsets end at 4 GiB; this leaves room for the tags and for what does not compress.
+const CLASSIC_LIMIT: u64 = 4_000_000_000;
+
+impl SampleType {
+    fn size(self) -> usize {
+        match self {
+            Self::Float32 => 4,
+            Self::Int16 | Self::Uint16 => 2,
+        }
+    }
+
+    /// Lowest and highest value; for floats those of f32.
+    fn limits(self) -> (f64, f64) {
+        match self {
+            Self::Float32 => (f64::from(f32::MIN), f64::from(f32::MAX)),
+            Self::Int16 => (-32768.0, 32767.0),
+            Self::Uint16 => (0.0, 65535.0),
+        }
+    }
+
+    fn name(self) -> &'static str {
+        Choice::name(&self)
+    }
+}
+
+impl Options {
+    /// # Errors
+    /// [`Error::Invalid`] when the nodata value is none of the sample type.
+    pub fn check(&self) -> Result<()> {
+        let (low, high) = self.sample.limits();
+        let whole = self.sample == SampleType::Float32 || self.nodata == f64::from(self.nodata as i32);
+        if (low..=high).contains(&self.nodata) && whole {
+            return Ok(());
+        }
+        let mend = if self.sample == SampleType::Uint16 { "use 65535 or 0" } else { "use -32768" };
+        Err(Error::invalid(format!("`nodata` {} is no {} value", self.nodata, self.sample.name()), mend))
+    }
+
+    /// The nodata value as cells of the file hold it.
+    fn stored_nodata(&self) -> f64 {
+        if self.sample == SampleType::Float32 { f64::from(self.nodata as f32) } else { self.nodata }
+    }
+
+    /// Rows and columns of a chunk.
+    fn chunk(&self, grid: &Grid) -> (usize, usize) {
+        match self.layout {
+            Layout::Tiles => (TILE, TILE),
+            Layout::Strips => {
+                let rows = STRIP_BYTES / (grid.cols * self.sample.size()).max(1);
+                (rows.clamp(1, grid.rows.max(1)), grid.cols)
+            }
+        }
+    }
+}
+
+/// Writes a heightfield as GeoTIFF with its georeference, and as BigTIFF where 4 GiB may not do.
+///
+/// Integers are rounded to the nearest, halves away from zero. Voids become the nodata value.
+///
+/// # Errors
+/// [`Error::EmptyInput`]; [`Error::Invalid`] for a height that the sample type cannot hold or that equals the
+/// nodata value; [`Error::NonFinite`]; [`Error::Io`] with `name` from the stream; [`Error::Cancelled`].
+pub fn write(
+    terrain: &Heightfield,
+    options: &Options,
+    out: &mut (impl Write + Seek),
+    name: &str,
+    job: &Job,
+) -> Result<()> {
+    options.check()?;
+    let grid = terrain.grid();
+    crate::io::file::refuse_empty(terrain, "terrain")?;
+    let failed = |reason: std::io::Error| Error::writing(name, reason);
+    let (rows, cols) = options.chunk(grid);
+    let (down, across) = (grid.rows.div_ceil(rows), grid.cols.div_ceil(cols));
+    let raw = (down * across) as u64 * (rows * cols * options.sample.size() + 16) as u64;
+    let big = options.big || raw > CLASSIC_LIMIT;
+    let mut directory = Directory { big, entries: Vec::new() };
+    out.write_all(&directory.header(0)).map_err(failed)?;
+    let mut position = directory.header(0).len() as u64;
+    let (mut offsets, mut counts) = (Vec::new(), Vec::new());
+    let done = job.stage((down * across) as u64);
+    for batch in (0..down * across).collect::<Vec<_>>().chunks(BATCH) {
+        let pack = |&index: &usize| {
+            job.check()?;
+            let bytes = encode_chunk(terrain, options, (rows, cols), (index / across, index % across))?;
+            done.advance(1);
+            Ok(bytes)
+        };
+        for bytes in batch.par_iter().map(pack).collect::<Result<Vec<_>>>()? {
+            out.write_all(&bytes).map_err(failed)?;
+            offsets.push(position);
+            counts.push(bytes.len() as u64);
+            position += bytes.len() as u64;
+        }
+    }
+    if position % 2 == 1 {
+        out.write_all(&[0]).map_err(failed)?;
+        position += 1;
+    }
+    directory.describe(grid, options, (rows, cols), (&offsets, &counts), job);
+    out.write_all(&directory.bytes(position)).map_err(failed)?;
+    out.seek(SeekFrom::Start(0)).map_err(failed)?;
+    out.write_all(&directory.header(position)).map_err(failed)?;
+    out.seek(SeekFrom::End(0)).map_err(failed)?;
+    Ok(())
+}
+
+/// The packed bytes of the chunk at (`down`, `across`).
+fn encode_chunk(
+    terrain: &Heightfield,
+    options: &Options,
+    (rows, cols): (usize, usize),
+    (down, across): (usize, usize),
+) -> Result<Vec<u8>> {
+    let (row0, col0) = (down * rows, across * cols);
+    let last_row = (row0 + rows).min(terrain.rows());
+    let width = cols.min(terrain.cols() - col0);
+    let mut bytes = Vec::with_capacity(rows * cols * options.sample.size());
+    let predict = options.compression != Compression::None;
+    let fault = |col: usize, row: usize| refusal(terrain, options, row, col0 + col);
+    if options.sample == SampleType::Float32 {
+        let nodata = options.nodata as f32;
+        let mut samples = vec![nodata; cols];
+        for row in row0..last_row {
+            for (col, (out, &height)) in
+                samples.iter_mut().zip(&terrain.row(row)[col0..][..width]).enumerate()
+            {
+                if height == nodata || height.is_infinite() {
+                    return Err(fault(col, row));
+                }
+                *out = if height.is_nan() { nodata } else { height };
+            }
+            if predict {
+                sample::sort_bytes(&samples, &mut bytes);
+            } else {
+                samples.iter().for_each(|sample| bytes.extend_from_slice(&sample.to_le_bytes()));
+            }
+        }
+    } else {
+        let (low, high) = options.sample.limits();
+        let (low, high, nodata) = (low as i32, high as i32, options.nodata as i32);
+        let mut samples = vec![nodata as u16; cols];
+        for row in row0..last_row {
+            for (col, (out, &height)) in
+                samples.iter_mut().zip(&terrain.row(row)[col0..][..width]).enumerate()
+            {
+                // f64 holds the sum exactly, so halves are told from what lies just below them.
+                let whole = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i32;
+                let known = !height.is_nan();
+                if known && (whole < low || whole > high || whole == nodata) {
+                    return Err(fault(col, row));
+                }
+                *out = if known { whole as u16 } else { nodata as u16 };
+            }
+            if predict {
+                sample::differences(&samples, &mut bytes);
+            } else {
+                samples.iter().for_each(|sample| bytes.extend_from_slice(&sample.to_le_bytes()));
+            }
+        }
+    }
+    // Tiles are stored whole; below the last row they repeat nothing and cost almost nothing.
+    if options.layout == Layout::Tiles {
+        bytes.resize(rows * cols * options.sample.size(), 0);
+    }
+    Ok(match options.compression {
+        Compression::None => bytes,
+        Compression::Lzw => codec::lzw(&bytes),
+        Compression::Deflate => codec::deflate(&bytes, options.level),
+    })
+}
+
+/// Why the height at (`row`, `col`) cannot be written.
+fn refusal(terrain: &Heightfield, options: &Options, row: usize, col: usize) -> Error {
+    let height = terrain.at(row, col);
+    if height.is_infinite() {
+        return Error::NonFinite { what: "terrain".into(), row, col };
+    }
+    let place = format!("height {height} m at row {row}, column {col}");
+    if f64::from(height).round() == options.stored_nodata() || f64::from(height) == options.stored_nodata() {
+        return Error::invalid(
+            format!("{place} equals the nodata value"),
+            "choose a `nodata` that no cell has",
+        );
+    }
+    Error::invalid(
+        format!("{place} does not fit {}", options.sample.name()),
+        "write float32, or remap the heights first",
+    )
+}
+
+/// The tags of a file being written.
+struct Directory {
+    big: bool,
+    /// (tag, type, count, little-endian values).
+    entries: Vec<(u16, u16, u64, Vec<u8>)>,
+}
+
+impl Directory {
+    fn header(&self, directory: u64) -> Vec<u8> {
+        let mut bytes = b"II".to_vec();
+        if self.big {
+            bytes.extend_from_slice(&[43, 0, 8, 0, 0, 0]);
+            bytes.extend_from_slice(&directory.to_le_bytes());
+        } else {
+            bytes.extend_from_slice(&[42, 0]);
+            bytes.extend_from_slice(&(directory as u32).to_le_bytes());
+        }
+        bytes
+    }
+
+    fn describe(
+        &mut self,
+        grid: &Grid,
+        options: &Options,
+        (rows, cols): (usize, usize),
+        (offsets, counts): (&[u64], &[u64]),
+        job: &Job,
+    ) {
+        let geo = GeoTags::of(grid);
+        if let Some(remark) = &geo.remark {
+            job.warn(remark);
+        }
+        let compression = match options.compression {
+            Compression::None => 1,
+            Compression::Lzw => 5,
+            Compression::Deflate => 8,
+        };
+        let (format, predictor) = match options.sample {
+            SampleType::Uint16 => (1, 2),
+            SampleType::Int16 => (2, 2),
+            SampleType::Float32 => (3, 3),
+        };
+        self.longs(tag::IMAGE_WIDTH, &[grid.cols as u64]);
+        self.longs(tag::IMAGE_LENGTH, &[grid.rows as u64]);
+        self.shorts(tag::BITS_PER_SAMPLE, &[options.sample.size() as u16 * 8]);
+        self.shorts(tag::COMPRESSION, &[compression]);
+        self.shorts(tag::PHOTOMETRIC, &[1]);
+        self.shorts(tag::SAMPLES_PER_PIXEL, &[1]);
+        self.shorts(tag::PLANAR_CONFIGURATION, &[1]);
+        self.shorts(tag::SAMPLE_FORMAT, &[format]);
+        if compression != 1 {
+            self.shorts(tag::PREDICTOR, &[predictor]);
+        }
+        match options.layout {
+            Layout::Tiles => {
+                self.shorts(tag::TILE_WIDTH, &[cols as u16]);
+                self.shorts(tag::TILE_LENGTH, &[rows as u16]);
+                self.words(tag::TILE_OFFSETS, offsets);
+                self.longs(tag::TILE_BYTE_COUNTS, counts);
+            }
+            Layout::Strips => {
+                self.longs(tag::ROWS_PER_STRIP, &[rows as u64]);
+                self.words(tag::STRIP_OFFSETS, offsets);
+                self.longs(tag::STRIP_BYTE_COUNTS, counts);
+            }
+        }
+        let mut doubles = |tag, values: Option<&[f64]>| {
+            if let Some(values) = values.filter(|values| !values.is_empty()) {
+                let bytes = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+                self.entries.push((tag, 12, values.len() as u64, bytes));
+            }
+        };
+        doubles(tag::MODEL_PIXEL_SCALE, geo.scale.as_ref().map(<[f64; 3]>::as_slice));
+        doubles(tag::MODEL_TIEPOINT, geo.tie.as_ref().map(<[f64; 6]>::as_slice));
+        doubles(tag::MODEL_TRANSFORMATION, geo.matrix.as_ref().map(<[f64; 16]>::as_slice));
+        doubles(tag::GEO_DOUBLE_PARAMS, Some(&geo.doubles));
+        self.shorts(tag::GEO_KEY_DIRECTORY, &geo.directory);
+        if !geo.texts.is_empty() {
+            self.text(tag::GEO_ASCII_PARAMS, &geo.texts);
+        }
+        self.text(tag::GDAL_NODATA, &format!("{}", options.stored_nodata()));
+        self.entries.sort_by_key(|entry| entry.0);
+    }
+
+    fn shorts(&mut self, tag: u16, values: &[u16]) {
+        let bytes = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        self.entries.push((tag, 3, values.len() as u64, bytes));
+    }
+
+    fn longs(&mut self, tag: u16, values: &[u64]) {
+        let bytes = values.iter().flat_map(|&value| (value as u32).to_le_bytes()).collect();
+        self.entries.push((tag, 4, values.len() as u64, bytes));
+    }
+
+    /// File positions: as wide as the file's own.
+    fn words(&mut self, tag: u16, values: &[u64]) {
+        if !self.big {
+            return self.longs(tag, values);
+        }
+        let bytes = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        self.entries.push((tag, 16, values.len() as u64, bytes));
+    }
+
+    fn text(&mut self, tag: u16, text: &str) {
+        let bytes = [text.as_bytes(), &[0]].concat();
+        self.entries.push((tag, 2, bytes.len() as u64, bytes));
+    }
+
+    /// The directory as bytes at `position`, values that do not fit an entry behind it.
+    fn bytes(&self, position: u64) -> Vec<u8> {
+        let word = if self.big { 8 } else { 4 };
+        let put = |out: &mut Vec<u8>, value: u64| out.extend_from_slice(&value.to_le_bytes()[..word]);
+        let count_len = if self.big { 8 } else { 2 };
+        let len = count_len + self.entries.len() * (4 + 2 * word) + word;
+        let (mut out, mut behind) = (Vec::new(), Vec::new());
+        out.extend_from_slice(&(self.entries.len() as u64).to_le_bytes()[..count_len]);
+        for (tag, kind, count, values) in &self.entries {
+            out.extend_from_slice(&tag.to_le_bytes());
+            out.extend_from_slice(&kind.to_le_bytes());
+            put(&mut out, *count);
+            if values.len() <= word {
+                out.extend_from_slice(values);
+                out.resize(out.len() + word - values.len(), 0);
+            } else {
+                put(&mut out, position + (len + behind.len()) as u64);
+                behind.extend_from_slice(values);
+                behind.resize(behind.len().next_multiple_of(8), 0);
+            }
+        }
+        put(&mut out, 0);
+        out.extend_from_slice(&behind);
+        out
+    }
+}
