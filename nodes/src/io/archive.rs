@@ -34,7 +34,10 @@ pub(crate) fn only_entry(bytes: &[u8], name: &str, job: &Job) -> Result<(Vec<u8>
     loop {
         job.check()?;
         let room = (size + 1 - unpacked.len() as u64).min(PIECE);
-        let read = Read::by_ref(&mut entry).take(room).read_to_end(&mut unpacked).map_err(|error| broken(error.to_string()))?;
+        let read = Read::by_ref(&mut entry)
+            .take(room)
+            .read_to_end(&mut unpacked)
+            .map_err(|error| broken(error.to_string()))?;
         if unpacked.len() as u64 > size {
             return Err(broken(format!("`{entry_name}` is larger than it says")));
         }

@@ -44,7 +44,9 @@ impl Header {
 /// Whether the bytes begin as an ASCII grid does.
 pub(crate) fn looks_like(bytes: &[u8]) -> bool {
     let start = bytes.trim_ascii_start();
-    start.get(..5).is_some_and(|word| word.eq_ignore_ascii_case(b"ncols") || word.eq_ignore_ascii_case(b"nrows"))
+    start
+        .get(..5)
+        .is_some_and(|word| word.eq_ignore_ascii_case(b"ncols") || word.eq_ignore_ascii_case(b"nrows"))
 }
 
 /// The heights in an ASCII grid, in metres; `name` names the file in errors. The format knows no coordinate
@@ -67,7 +69,7 @@ pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
     let need = |value: Option<f64>, key: &str| value.ok_or_else(|| fail(format!("`{key}` is missing")));
     let count = |value: Option<f64>, key: &str| {
         let value = need(value, key)?;
-        let whole = value >= 0.0 && value <= 9e15 && value.fract() == 0.0;
+        let whole = (0.0..=9e15).contains(&value) && value.fract() == 0.0;
         if whole { Ok(value as usize) } else { Err(fail(format!("`{key}` {value} is no count"))) }
     };
     let size = (count(header.rows, "nrows")?, count(header.cols, "ncols")?);
@@ -102,8 +104,9 @@ pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
             let Some(word) = words.next() else {
                 return Err(fail(format!("it ends after {read} of {wanted} heights")));
             };
-            let value = number(word)
-                .ok_or_else(|| fail(format!("`{}` is no height", String::from_utf8_lossy(&word[..word.len().min(30)]))))?;
+            let value = number(word).ok_or_else(|| {
+                fail(format!("`{}` is no height", String::from_utf8_lossy(&word[..word.len().min(30)])))
+            })?;
             *cell = if Some(value) == header.nodata { f32::NAN } else { value as f32 };
             read += 1;
         }
@@ -147,7 +150,8 @@ pub fn write(terrain: &Heightfield, out: &mut impl Write, name: &str, job: &Job)
     }
     let failed = |reason: std::io::Error| Error::writing(name, reason);
     let south = y0 + yr * grid.rows as f64;
-    write!(out, "ncols {}\nnrows {}\nxllcorner {x0}\nyllcorner {south}\n", grid.cols, grid.rows).map_err(failed)?;
+    write!(out, "ncols {}\nnrows {}\nxllcorner {x0}\nyllcorner {south}\n", grid.cols, grid.rows)
+        .map_err(failed)?;
     if (xc + yr).abs() <= 1e-12 * xc {
         writeln!(out, "cellsize {xc}").map_err(failed)?;
     } else {
@@ -164,12 +168,16 @@ pub fn write(terrain: &Heightfield, out: &mut impl Write, name: &str, job: &Job)
                 return Err(Error::NonFinite { what: "terrain".into(), row, col });
             }
             if height == NODATA {
-                let message = format!("the height at row {row}, column {col} is -9999, which stands for voids");
+                let message =
+                    format!("the height at row {row}, column {col} is -9999, which stands for voids");
                 return Err(Error::invalid(message, "write a GeoTIFF instead"));
             }
             let height = if height.is_nan() { NODATA } else { height };
             // Writing to a string cannot fail.
-            let _ = std::fmt::Write::write_fmt(&mut line, format_args!("{}{height}", if col > 0 { " " } else { "" }));
+            let _ = std::fmt::Write::write_fmt(
+                &mut line,
+                format_args!("{}{height}", if col > 0 { " " } else { "" }),
+            );
         }
         line.push('\n');
         out.write_all(line.as_bytes()).map_err(failed)?;

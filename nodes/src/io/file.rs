@@ -6,8 +6,8 @@ use std::{
     io::{BufWriter, Read, Write},
 };
 
-use orograph_core::prelude::*;
 use orograph_core::OutputStream;
+use orograph_core::prelude::*;
 use rayon::prelude::*;
 
 /// Reads the whole file; also returns its name, which errors and formats go by.
@@ -65,9 +65,7 @@ pub(crate) fn refuse_infinite(terrain: &Heightfield, name: &str) -> Result<()> {
         cells.iter().position(|height| height.is_infinite()).map(|at| part * PART + at)
     });
     let cols = terrain.cols().max(1);
-    place.map_or(Ok(()), |at| {
-        Err(Error::NonFinite { what: name.into(), row: at / cols, col: at % cols })
-    })
+    place.map_or(Ok(()), |at| Err(Error::NonFinite { what: name.into(), row: at / cols, col: at % cols }))
 }
 
 /// Refuses to write a raster that no format could hold, or that no reader would take back.

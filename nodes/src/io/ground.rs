@@ -96,7 +96,10 @@ mod tests {
             [(0.0, 111_319.49, 110_574.28), (45.0, 78_846.8, 111_131.8), (60.0, 55_800.0, 111_412.3)]
         {
             let (found_x, found_y) = metres_per_degree(latitude);
-            assert!((found_x - x).abs() < 1.0 && (found_y - y).abs() < 1.0, "{latitude}: {found_x} {found_y}");
+            assert!(
+                (found_x - x).abs() < 1.0 && (found_y - y).abs() < 1.0,
+                "{latitude}: {found_x} {found_y}"
+            );
         }
     }
 
@@ -110,7 +113,9 @@ mod tests {
 
     #[test]
     fn a_transform_without_area_is_refused() {
-        for transform in [[0.0; 6], [0.0, f64::NAN, 0.0, 0.0, 0.0, -1.0], [0.0, f64::INFINITY, 0.0, 0.0, 0.0, 1.0]] {
+        for transform in
+            [[0.0; 6], [0.0, f64::NAN, 0.0, 0.0, 0.0, -1.0], [0.0, f64::INFINITY, 0.0, 0.0, 0.0, 1.0]]
+        {
             assert!(cell_size(&transform, (2, 2), MapUnit::Metres(1.0), "x").is_err());
         }
     }

@@ -110,7 +110,9 @@ mod tests {
 
     #[test]
     fn names_give_corners_and_corners_names() {
-        for (name, place) in [("N44W072.hgt", (44, -72)), ("s45e169.HGT", (-45, 169)), ("dir/N00E000", (0, 0))] {
+        for (name, place) in
+            [("N44W072.hgt", (44, -72)), ("s45e169.HGT", (-45, 169)), ("dir/N00E000", (0, 0))]
+        {
             assert_eq!(corner(name), Some(place), "{name}");
         }
         for name in ["", "N4", "X44W072.hgt", "N4aW072.hgt", "N44W999.hgt", "N9öW072", "N-1E+01.hgt"] {

@@ -156,7 +156,9 @@ impl Keys {
             return Some(MapUnit::WebMercator);
         }
         let geographic = self.short(MODEL_TYPE) == Some(2)
-            || (self.short(MODEL_TYPE).is_none() && projected.is_none() && self.short(GEOGRAPHIC_TYPE).is_some());
+            || (self.short(MODEL_TYPE).is_none()
+                && projected.is_none()
+                && self.short(GEOGRAPHIC_TYPE).is_some());
         if geographic {
             let degrees = match self.short(ANGULAR_UNITS) {
                 Some(9101) => 1_f64.to_degrees(),
@@ -172,8 +174,9 @@ impl Keys {
             Some(unit) => metres_of(unit).or(self.double(LINEAR_UNIT_SIZE)),
             None => None,
         };
-        (self.short(MODEL_TYPE).is_some() || projected.is_some() || metres.is_some())
-            .then(|| MapUnit::Metres(metres.filter(|metres| metres.is_finite() && *metres > 0.0).unwrap_or(1.0)))
+        (self.short(MODEL_TYPE).is_some() || projected.is_some() || metres.is_some()).then(|| {
+            MapUnit::Metres(metres.filter(|metres| metres.is_finite() && *metres > 0.0).unwrap_or(1.0))
+        })
     }
 
     /// The system as text. Heights were turned into metres when `converted`, so its vertical part is dropped.
@@ -315,10 +318,7 @@ impl GeoTags {
         let georef = grid.georef_here().unwrap_or_else(|| {
             let first = grid.position(0, 0);
             let (x, y) = (grid.cell.x, grid.cell.y);
-            Georef {
-                transform: [first.x - x / 2.0, x, 0.0, first.y + y / 2.0, 0.0, -y],
-                crs: String::new(),
-            }
+            Georef { transform: [first.x - x / 2.0, x, 0.0, first.y + y / 2.0, 0.0, -y], crs: String::new() }
         });
         let [x0, xc, xr, y0, yc, yr] = georef.transform;
         let upright = xr == 0.0 && yc == 0.0 && xc > 0.0 && yr < 0.0;

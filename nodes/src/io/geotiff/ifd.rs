@@ -47,8 +47,11 @@ impl<'a> Ifd<'a> {
             let inline = at + 4 + word;
             let len = size_of_kind(kind).and_then(|size| size.checked_mul(values));
             let Some(len) = len else { continue };
-            let start =
-                if len <= word { inline } else { usize::try_from(ifd.unsigned(inline, word)?).unwrap_or(usize::MAX) };
+            let start = if len <= word {
+                inline
+            } else {
+                usize::try_from(ifd.unsigned(inline, word)?).unwrap_or(usize::MAX)
+            };
             ifd.entries.push(Entry { tag, kind, count: values, start });
         }
         Ok(ifd)

@@ -172,10 +172,14 @@ impl<'a> Layout<'a> {
             }
             let number = index + 1;
             let packed = self.ifd.slice(offset, count).ok_or_else(|| {
-                Error::format(self.name, format!("the file is truncated: strip or tile {number} is not there"))
+                Error::format(
+                    self.name,
+                    format!("the file is truncated: strip or tile {number} is not there"),
+                )
             })?;
             let len = row_len.saturating_mul(stored_rows);
-            let corrupt = || Error::format(self.name, format!("strip or tile {number} is corrupt or cut short"));
+            let corrupt =
+                || Error::format(self.name, format!("strip or tile {number} is corrupt or cut short"));
             if self.packing.most(packed.len()) < len {
                 return Err(corrupt());
             }
@@ -197,10 +201,12 @@ impl<'a> Layout<'a> {
 fn scale_and_offset(metadata: &str) -> Option<(f64, f64)> {
     let number = |role: &str| {
         let item = metadata.split("<Item").find(|item| {
-            item.contains(&format!("role=\"{role}\"")) && (item.contains("sample=\"0\"") || !item.contains("sample="))
+            item.contains(&format!("role=\"{role}\""))
+                && (item.contains("sample=\"0\"") || !item.contains("sample="))
         })?;
         item.split_once('>')?.1.split('<').next()?.trim().parse::<f64>().ok().filter(|x| x.is_finite())
     };
-    let pair = (number("scale").filter(|&scale| scale != 0.0).unwrap_or(1.0), number("offset").unwrap_or(0.0));
+    let pair =
+        (number("scale").filter(|&scale| scale != 0.0).unwrap_or(1.0), number("offset").unwrap_or(0.0));
     (pair != (1.0, 0.0)).then_some(pair)
 }

@@ -198,7 +198,9 @@ fn encode_chunk(
         let nodata = options.nodata as f32;
         let mut samples = vec![nodata; cols];
         for row in row0..last_row {
-            for (col, (out, &height)) in samples.iter_mut().zip(&terrain.row(row)[col0..][..width]).enumerate() {
+            for (col, (out, &height)) in
+                samples.iter_mut().zip(&terrain.row(row)[col0..][..width]).enumerate()
+            {
                 if height == nodata || height.is_infinite() {
                     return Err(fault(col, row));
                 }
@@ -215,7 +217,9 @@ fn encode_chunk(
         let (low, high, nodata) = (low as i32, high as i32, options.nodata as i32);
         let mut samples = vec![nodata as u16; cols];
         for row in row0..last_row {
-            for (col, (out, &height)) in samples.iter_mut().zip(&terrain.row(row)[col0..][..width]).enumerate() {
+            for (col, (out, &height)) in
+                samples.iter_mut().zip(&terrain.row(row)[col0..][..width]).enumerate()
+            {
                 // f64 holds the sum exactly, so halves are told from what lies just below them.
                 let whole = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i32;
                 let known = !height.is_nan();
