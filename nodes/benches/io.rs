@@ -116,7 +116,7 @@ fn write_hgt_3601(bencher: Bencher<'_, '_>) {
     let terrain =
         TERRAIN.crop(0, 0, 3601, 3601, &Job::detached()).expect("the terrain is larger than a tile");
     bencher
-        .counter(BytesCount::new(3601 * 3601 * 2))
+        .counter(BytesCount::new(3601_usize * 3601 * 2))
         .bench(|| hgt::write(&terrain, &Job::detached()).expect("it fits"));
 }
 
