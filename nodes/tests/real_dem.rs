@@ -4,6 +4,8 @@
 //! run passes and says in its closing lines what it left out, unless `OROGRAPH_DEM_REQUIRED=1` forbids that.
 //! A family adds its checks in `real_dem/<family>.rs` and one line in [`checks`].
 
+#![expect(clippy::print_stdout, reason = "a test runner reports on standard output")]
+
 mod real_dem {
     pub(crate) mod io;
     pub(crate) mod mcmd;
@@ -16,12 +18,15 @@ use std::{
     process::ExitCode,
 };
 
+/// What a check does with the DEM folder; an error says what is wrong.
+type Run = dyn Fn(&Path) -> Result<(), String>;
+
 /// One check; it gets the DEM folder and says what is wrong.
 pub(crate) struct Check {
     /// What is checked, `family: statement`.
     pub(crate) name: String,
     /// Does it.
-    pub(crate) run: Box<dyn Fn(&Path) -> Result<(), String>>,
+    pub(crate) run: Box<Run>,
 }
 
 impl Check {

@@ -69,7 +69,7 @@ pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
     let need = |value: Option<f64>, key: &str| value.ok_or_else(|| fail(format!("`{key}` is missing")));
     let count = |value: Option<f64>, key: &str| {
         let value = need(value, key)?;
-        let whole = value >= 0.0 && value <= 9e15 && value.fract() == 0.0;
+        let whole = (0.0..=9e15).contains(&value) && value.fract() == 0.0;
         if whole { Ok(value as usize) } else { Err(fail(format!("`{key}` {value} is no count"))) }
     };
     let size = (count(header.rows, "nrows")?, count(header.cols, "ncols")?);

@@ -4,16 +4,50 @@
 
 mod archive;
 pub mod ascii;
+pub mod exr;
 mod file;
 pub mod geotiff;
 pub mod ground;
 pub mod hgt;
+mod png;
+pub mod raw;
 pub mod read_dem;
+pub mod read_exr;
+pub mod read_mask;
 pub mod read_png;
+pub mod read_raw;
+pub mod read_texture;
+#[cfg(test)]
+mod tests;
+pub mod write_ascii;
+pub mod write_exr;
+pub mod write_geotiff;
+pub mod write_hgt;
+pub mod write_mask;
+pub mod write_png;
+pub mod write_raw;
+pub mod write_table;
+pub mod write_texture;
 
 use orograph_core::NodeType;
 
 /// The nodes of this family.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    vec![NodeType::of::<read_dem::ReadDem>(), NodeType::of::<read_png::ReadPng>()]
+    vec![
+        NodeType::of::<read_dem::ReadDem>(),
+        NodeType::of::<read_exr::ReadExr>(),
+        NodeType::of::<read_mask::ReadMask>(),
+        NodeType::of::<read_png::ReadPng>(),
+        NodeType::of::<read_raw::ReadRaw>(),
+        NodeType::of::<read_texture::ReadTexture>(),
+        NodeType::of::<write_ascii::WriteAscii>(),
+        NodeType::of::<write_exr::WriteExr>(),
+        NodeType::of::<write_geotiff::WriteGeotiff>(),
+        NodeType::of::<write_hgt::WriteHgt>(),
+        NodeType::of::<write_mask::WriteMask>(),
+        NodeType::of::<write_png::WritePng>(),
+        NodeType::of::<write_raw::WriteRaw>(),
+        NodeType::of::<write_table::WriteTable>(),
+        NodeType::of::<write_texture::WriteTexture>(),
+    ]
 }

@@ -97,7 +97,7 @@ impl Row {
         match self.encoding {
             Encoding::U8 => self.each(bytes, out, |bits: u8| f64::from(bits)),
             Encoding::I8 => self.each(bytes, out, |bits: u8| f64::from(bits as i8)),
-            Encoding::U16 => self.each_short(bytes, out, |bits| i32::from(bits)),
+            Encoding::U16 => self.each_short(bytes, out, i32::from),
             Encoding::I16 => self.each_short(bytes, out, |bits| i32::from(bits as i16)),
             Encoding::U32 => self.each(bytes, out, |bits: u32| f64::from(bits)),
             Encoding::I32 => self.each(bytes, out, |bits: u32| f64::from(bits as i32)),

@@ -1,0 +1,174 @@
+//! PNG pictures as numbers: grey levels for heights and masks, colours for textures.
+//!
+//! The filter of each row is `Up` and packing is the `png` crate's fast mode: measured on 16-bit terrain it is
+//! the quickest pair that still packs, and PNG of terrain is an exchange format, not an archive.
+
+use std::io::{Cursor, Write};
+
+use orograph_core::prelude::*;
+use png::{BitDepth, ColorType, Compression, Decoder, Encoder, Filter, Limits, Transformations};
+
+/// A picture's pixels, `channels` samples each.
+pub(crate) struct Picture {
+    pub(crate) rows: usize,
+    pub(crate) cols: usize,
+    /// 1 grey, 2 grey and alpha, 3 colour, 4 colour and alpha.
+    pub(crate) channels: usize,
+    /// 8-bit samples, or 16-bit ones as big-endian pairs.
+    pub(crate) samples: Vec<u8>,
+    /// Whether samples have 16 bits.
+    pub(crate) deep: bool,
+}
+
+impl Picture {
+    /// Unpacks a picture. Palettes and fewer than 8 bits are widened.
+    pub(crate) fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Self> {
+        let fail = |error: png::DecodingError| Error::format(name, error);
+        let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
+        decoder.set_transformations(Transformations::EXPAND);
+        let (width, height) = decoder.read_header_info().map_err(fail)?.size();
+        let Grid { rows, cols, .. } = Grid::new(height as usize, width as usize, CellSize::square(1.0))?;
+        let mut reader = decoder.read_info().map_err(fail)?;
+        let len = reader.output_buffer_size().unwrap_or(usize::MAX);
+        let packed_len = reader.info().raw_row_length().saturating_mul(rows);
+        // Deflate never does better than 1032 to 1, so a header that promises more lies.
+        if packed_len > bytes.len().saturating_mul(1032) {
+            return Err(Error::format(
+                name,
+                format!("it promises {cols} × {rows} pixels, but holds too few bytes"),
+            ));
+        }
+        job.admit(len as u64, || format!("the picture {name}"))?;
+        let (color, depth) = reader.output_color_type();
+        let mut samples = vec![0; len];
+        if reader.info().interlaced {
+            reader.next_frame(&mut samples).map_err(fail)?;
+        } else {
+            let row_len = reader.output_line_size(width).unwrap_or(len).max(1);
+            let done = job.stage(rows as u64);
+            for row in samples.chunks_exact_mut(row_len) {
+                job.check()?;
+                reader.read_row(row).map_err(fail)?;
+                done.advance(1);
+            }
+        }
+        Ok(Self { rows, cols, channels: color.samples(), samples, deep: depth == BitDepth::Sixteen })
+    }
+
+    /// Bytes of one sample.
+    fn sample_len(&self) -> usize {
+        if self.deep { 2 } else { 1 }
+    }
+
+    /// Bytes of one row.
+    fn row_len(&self) -> usize {
+        self.cols * self.channels * self.sample_len()
+    }
+
+    fn share(&self, sample: &[u8]) -> f64 {
+        match sample {
+            [high, low] => f64::from(u16::from_be_bytes([*high, *low])) / 65535.0,
+            [byte] => f64::from(*byte) / 255.0,
+            _ => 0.0,
+        }
+    }
+
+    /// Grey levels of a row as shares of white; a transparent pixel is `None`.
+    pub(crate) fn greys(&self, row: usize) -> impl Iterator<Item = Option<f64>> + '_ {
+        let len = self.sample_len();
+        let row = self.samples.get(row * self.row_len()..).unwrap_or_default();
+        row.chunks_exact(len * self.channels).take(self.cols).map(move |pixel| {
+            let channel = |i: usize| self.share(&pixel[i * len..][..len]);
+            let grey = match self.channels {
+                // Rec. 709 luma; equal channels give themselves.
+                3 | 4 if pixel[..len] == pixel[len..2 * len] && pixel[..len] == pixel[2 * len..3 * len] => {
+                    channel(0)
+                }
+                3 | 4 => 0.2126 * channel(0) + 0.7152 * channel(1) + 0.0722 * channel(2),
+                _ => channel(0),
+            };
+            let transparent = matches!(self.channels, 2 | 4) && channel(self.channels - 1) == 0.0;
+            (!transparent).then_some(grey)
+        })
+    }
+
+    /// Colours of a row.
+    pub(crate) fn colours(&self, row: usize) -> impl Iterator<Item = [u8; 4]> + '_ {
+        let len = self.sample_len();
+        let row = self.samples.get(row * self.row_len()..).unwrap_or_default();
+        row.chunks_exact(len * self.channels).take(self.cols).map(move |pixel| {
+            // The high byte of a 16-bit sample is its 8-bit value but for rounding.
+            let channel = |i: usize| pixel[i * len];
+            match self.channels {
+                1 => [channel(0), channel(0), channel(0), 255],
+                2 => [channel(0), channel(0), channel(0), channel(1)],
+                3 => [channel(0), channel(1), channel(2), 255],
+                _ => [channel(0), channel(1), channel(2), channel(3)],
+            }
+        })
+    }
+
+    /// Whether the picture has colours, alpha aside.
+    pub(crate) fn is_coloured(&self) -> bool {
+        self.channels >= 3 && {
+            let len = self.sample_len();
+            self.samples
+                .chunks_exact(len * self.channels)
+                .any(|pixel| pixel[..len] != pixel[len..2 * len] || pixel[..len] != pixel[2 * len..3 * len])
+        }
+    }
+}
+
+/// What a row of a picture being written holds.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Pixels {
+    Grey8,
+    Grey16,
+    Rgb,
+    Rgba,
+}
+
+impl Pixels {
+    fn png(self) -> (ColorType, BitDepth, usize) {
+        match self {
+            Self::Grey8 => (ColorType::Grayscale, BitDepth::Eight, 1),
+            Self::Grey16 => (ColorType::Grayscale, BitDepth::Sixteen, 2),
+            Self::Rgb => (ColorType::Rgb, BitDepth::Eight, 3),
+            Self::Rgba => (ColorType::Rgba, BitDepth::Eight, 4),
+        }
+    }
+}
+
+/// Writes a picture; `fill` appends the bytes of a row, 16-bit samples big-endian.
+pub(crate) fn write(
+    out: &mut impl Write,
+    grid: &Grid,
+    pixels: Pixels,
+    name: &str,
+    job: &Job,
+    mut fill: impl FnMut(usize, &mut Vec<u8>) -> Result<()>,
+) -> Result<()> {
+    let failed = |error: png::EncodingError| Error::writing(name, error);
+    let (Ok(width), Ok(height)) = (u32::try_from(grid.cols), u32::try_from(grid.rows)) else {
+        return Err(Error::invalid("a PNG picture has at most 2147483647 pixels a side", "crop the terrain"));
+    };
+    let (color, depth, bytes) = pixels.png();
+    let len = grid.len() as u64 * bytes as u64;
+    job.admit(len, || format!("the picture {name}"))?;
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_color(color);
+    encoder.set_depth(depth);
+    encoder.set_compression(Compression::Fast);
+    encoder.set_filter(FILTER);
+    let mut writer = encoder.write_header().map_err(failed)?;
+    let mut samples = Vec::with_capacity(grid.len() * bytes);
+    for row in 0..grid.rows {
+        job.check()?;
+        fill(row, &mut samples)?;
+    }
+    writer.write_image_data(&samples).map_err(failed)?;
+    writer.finish().map_err(failed)
+}
+
+/// See the module's docs.
+const FILTER: Filter = Filter::Up;

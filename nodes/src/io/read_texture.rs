@@ -1,0 +1,42 @@
+//! Read texture: a PNG picture as colours.
+
+use orograph_core::prelude::*;
+
+use super::{file, png::Picture};
+
+/// Reads a PNG picture as a texture.
+#[derive(Params, Clone, Debug)]
+pub struct ReadTexture {
+    /// The file to read.
+    #[param(default = "")]
+    pub file: InputPath,
+    /// Side of a cell.
+    #[param(default = 10, range = 0.001..=100_000.0, slider = 0.1..=100.0, unit = "m")]
+    pub cell: f64,
+}
+
+/// Outputs of [`ReadTexture`].
+#[derive(Outputs)]
+pub struct ReadTextureOut {
+    /// The colours in the picture.
+    pub texture: Texture,
+}
+
+impl Node for ReadTexture {
+    const ID: &'static str = "io.read_texture";
+    const VERSION: u32 = 1;
+    const EXTENT: Extent = Extent::Global;
+    type Inputs<'a> = ();
+    type Outputs = ReadTextureOut;
+
+    fn run(&self, (): (), job: &Job) -> Result<ReadTextureOut> {
+        let (bytes, name) = file::load(&self.file, job)?;
+        let picture = Picture::read(&bytes, &name, job)?;
+        let grid = Grid::new(picture.rows, picture.cols, CellSize::square(self.cell))?;
+        let texture = Texture::build(grid, job, |row, out| {
+            out.iter_mut().zip(picture.colours(row)).for_each(|(out, colour)| *out = colour);
+            Ok(())
+        })?;
+        Ok(ReadTextureOut { texture })
+    }
+}
