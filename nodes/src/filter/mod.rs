@@ -1,8 +1,10 @@
 //! Smoothing and ranking over neighbourhoods.
 
+pub mod gaussian_blur;
+
 use orograph_core::NodeType;
 
 /// The nodes of this family.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    vec![]
+    vec![NodeType::of::<gaussian_blur::GaussianBlur>()]
 }
