@@ -13,6 +13,7 @@ pub mod mask;
 pub mod mcmd;
 pub mod measure;
 pub mod repair;
+pub mod surface;
 #[cfg(test)]
 mod test_fields;
 pub mod transform;

@@ -1,8 +1,19 @@
 //! Metrics.
 
+pub mod append;
+pub mod compare;
+pub mod slope;
+pub mod statistics;
+mod sums;
+
 use orograph_core::NodeType;
 
 /// The nodes of this family.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    vec![]
+    vec![
+        NodeType::of::<append::Append>(),
+        NodeType::of::<compare::Compare>(),
+        NodeType::of::<slope::Slope>(),
+        NodeType::of::<statistics::Statistics>(),
+    ]
 }
