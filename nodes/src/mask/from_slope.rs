@@ -66,7 +66,7 @@ impl Node for FromSlope {
         Ok(FromSlopeOut { mask })
     }
 
-    fn halo(&self, cell: CellSize) -> usize {
+    fn halo(&self, _: CellSize) -> usize {
         1
     }
 
