@@ -70,7 +70,7 @@ impl Noise {
         self.octaves.len()
     }
 
-    /// Octave `k` at the world positions (`x[i]`, `y)`, in metres; `out[i]` lies in −1..=1.
+    /// Octave `k` at the world positions (`x[i]`, `y`), in metres, with `x` ascending; `out[i]` lies in −1..=1.
     ///
     /// # Panics
     /// When there is no octave `k`.
@@ -89,7 +89,7 @@ impl Noise {
         let mut start = 0;
         while start < n {
             let place = places[start];
-            let end = start + places[start..n].iter().take_while(|&&other| other == place).count();
+            let end = run_end(&places[..n], start);
             let patch = self.patch(octave.seed, place);
             let (u, v) = (&inside[0][start..end], &inside[1][start..end]);
             for ((out, &u), &v) in out[start..end].iter_mut().zip(u).zip(v) {
@@ -148,7 +148,22 @@ impl Octave {
 #[inline]
 fn floor(x: f64) -> f64 {
     let nearest = (x + ROUNDER) - ROUNDER;
-    nearest - f64::from(u8::from(nearest > x))
+    if nearest > x { nearest - 1.0 } else { nearest }
+}
+
+/// Where the run of equal places from `start` ends. Along a row both coordinates only rise or only fall, so
+/// that a place that comes again a few cells on holds in between.
+#[inline]
+fn run_end(places: &[u64], start: usize) -> usize {
+    let place = places[start];
+    let mut end = start + 1;
+    while places.get(end + 7) == Some(&place) {
+        end += 8;
+    }
+    while places.get(end) == Some(&place) {
+        end += 1;
+    }
+    end
 }
 
 /// The blend of four planes: each row holds (per u, per v, constant).

@@ -81,8 +81,6 @@ pub fn distances(mask: &Mask, is_target: impl Fn(f32) -> bool + Sync, job: &Job)
     let grid = mask.grid();
     let cell = grid.cell;
     let rows = rows_to_target(mask, is_target, job)?;
-    let width = (grid.cols as u64).saturating_mul(24);
-    job.admit(width, || "the envelope of a row".into())?;
     Heightfield::build(grid.clone(), job, |row, out| {
         let rises: Vec<f64> = rows[row * grid.cols..][..grid.cols]
             .iter()
