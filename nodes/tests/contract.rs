@@ -1,13 +1,18 @@
 //! The contract that every built-in node keeps, swept over the registry.
 
+#[cfg(test)]
 #[path = "contract/determinism.rs"]
 mod determinism;
+#[cfg(test)]
 #[path = "contract/host.rs"]
 mod host;
+#[cfg(test)]
 #[path = "contract/inputs.rs"]
 mod inputs;
+#[cfg(test)]
 #[path = "contract/robustness.rs"]
 mod robustness;
+#[cfg(test)]
 #[path = "contract/spec.rs"]
 mod spec;
 

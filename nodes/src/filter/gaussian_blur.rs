@@ -150,7 +150,7 @@ mod tests {
 
     #[test]
     fn sums_are_those_of_the_two_dimensional_bell() {
-        let void = |row: usize, col: usize| (row * 7 + col * 3) % 11 == 0;
+        let void = |row: usize, col: usize| (row * 7 + col * 3).is_multiple_of(11);
         let height = |row: usize, col: usize| ((row * 31 + col * 17) % 23) as f64 * 10.0;
         let mut grid = field(19, 23, |_, _| 0.0).grid().clone();
         grid.cell = CellSize { x: 10.0, y: 16.0 };

@@ -34,7 +34,7 @@ pub(crate) fn terrain(rows: usize, cols: usize, cover: Cover) -> Heightfield {
     let height = |row: usize, col: usize| {
         let void = match cover {
             Cover::Whole => false,
-            Cover::Holes => (row * 7 + col * 5) % 31 == 0,
+            Cover::Holes => (row * 7 + col * 5).is_multiple_of(31),
             Cover::Nothing => true,
         };
         let (x, y) = (col as f64 / 7.0, row as f64 / 5.0);
