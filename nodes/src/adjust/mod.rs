@@ -1,10 +1,20 @@
 //! Changing heights cell by cell.
 
 pub mod clamp;
+pub mod curve;
+pub mod normalise;
+pub mod punch;
+pub mod remap;
 
 use orograph_core::NodeType;
 
 /// The nodes of this family.
 pub(crate) fn nodes() -> Vec<NodeType> {
-    vec![NodeType::of::<clamp::Clamp>()]
+    vec![
+        NodeType::of::<clamp::Clamp>(),
+        NodeType::of::<curve::Curve>(),
+        NodeType::of::<normalise::Normalise>(),
+        NodeType::of::<punch::Punch>(),
+        NodeType::of::<remap::Remap>(),
+    ]
 }

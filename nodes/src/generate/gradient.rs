@@ -1,0 +1,63 @@
+//! Gradient: a tilted plane.
+
+use orograph_core::prelude::*;
+
+use super::ground::{Ground, GroundIn, GroundOut};
+
+/// Makes a plane that rises steadily in one direction.
+#[derive(Params, Clone, Debug)]
+pub struct Gradient {
+    /// Compass direction in which the ground rises: 0 is north, 90 is east.
+    #[param(default = 0, range = -360.0..=360.0, slider = 0.0..=360.0, unit = "deg")]
+    pub direction: f64,
+    /// Rise per metre in that direction.
+    #[param(default = 0.1, range = 0.0..=100.0, slider = 0.0..=1.0, unit = "m/m")]
+    pub slope: f64,
+    /// Height at the world's origin, which is the ground's north-west corner when no grid is given.
+    #[param(default = 1000, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
+    pub base: f64,
+    /// Extent of the ground from west to east, when no grid is given.
+    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
+    pub width: f64,
+    /// Extent of the ground from north to south, when no grid is given.
+    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
+    pub height: f64,
+    /// Cells along the longer side, when neither a grid nor the run's resolution is given.
+    #[param(default = 512u32, range = 1..=65_536, slider = 64..=4096, unit = "cells")]
+    pub cells: u32,
+}
+
+impl Node for Gradient {
+    const ID: &'static str = "generate.gradient";
+    const VERSION: u32 = 1;
+    const EXTENT: Extent = Extent::Local;
+    const READS: &'static [ContextItem] = &[ContextItem::Resolution];
+    type Inputs<'a> = GroundIn<'a>;
+    type Outputs = GroundOut;
+
+    fn run(&self, inputs: GroundIn<'_>, job: &Job) -> Result<GroundOut> {
+        let (east, north) = libm::sincos(self.direction.to_radians());
+        let ground = Ground { width: self.width, height: self.height, cells: self.cells };
+        ground.cells(&inputs, job, |x, y| self.base + self.slope * (east * x + north * y))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn ground_rises_by_its_slope_in_its_direction() {
+        let rise = |direction| {
+            let (width, height, cells) = (300.0, 300.0, 3);
+            let node = Gradient { direction, slope: 0.5, base: 0.0, width, height, cells };
+            let out = node.run(GroundIn { like: None }, &Job::detached()).unwrap().terrain;
+            (out.at(1, 2) - out.at(1, 1), out.at(0, 1) - out.at(1, 1))
+        };
+        assert_eq!(rise(0.0), (0.0, 50.0));
+        assert_eq!(rise(90.0), (50.0, 0.0));
+        let (east, north) = rise(225.0);
+        let expected = -50.0 / 2.0_f32.sqrt();
+        assert!((east - expected).abs() < 1e-4 && (north - expected).abs() < 1e-4, "{east} {north}");
+    }
+}

@@ -1,0 +1,138 @@
+//! Inputs of every type, built on one analytic terrain, and digests of what comes out.
+
+use std::sync::Arc;
+
+use glam::DVec2;
+use orograph_core::Cells as Entries;
+use orograph_core::{
+    Arity, CellSize, Column, Digest, FeatureKind, Features, Georef, Grid, Heightfield, Mask, Mesh, NodeSpec,
+    Placement, Points, Slot, Table, Texture, Unit, Value, ValueType,
+};
+
+/// What the terrain under all inputs looks like.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) enum Cover {
+    /// Every height known.
+    Whole,
+    /// A few voids, one of them at a corner.
+    Holes,
+    /// No height known.
+    Nothing,
+}
+
+/// Non-square cells somewhere in a coordinate system.
+pub(crate) fn grid(rows: usize, cols: usize) -> Grid {
+    let mut grid = Grid::new(rows, cols, CellSize { x: 23.7, y: 30.9 }).unwrap();
+    grid.origin = DVec2::new(1234.5, 6789.25);
+    let transform = [600_000.0, 23.7, 0.0, 5_100_000.0, 0.0, -30.9];
+    grid.georef = Some(Arc::new(Georef { transform, crs: "EPSG:32632".into() }));
+    grid
+}
+
+/// A hilly terrain.
+pub(crate) fn terrain(rows: usize, cols: usize, cover: Cover) -> Heightfield {
+    let height = |row: usize, col: usize| {
+        let void = match cover {
+            Cover::Whole => false,
+            Cover::Holes => (row * 7 + col * 5).is_multiple_of(31),
+            Cover::Nothing => true,
+        };
+        let (x, y) = (col as f64 / 7.0, row as f64 / 5.0);
+        if void { f32::NAN } else { (900.0 + 200.0 * libm::sin(x) * libm::cos(y) + 9.0 * x + 5.0 * y) as f32 }
+    };
+    let cells = (0..rows * cols).map(|i| height(i / cols, i % cols)).collect();
+    Heightfield::new(grid(rows, cols), cells).unwrap()
+}
+
+/// A value of the type, over the terrain's grid.
+pub(crate) fn value(of: ValueType, terrain: &Heightfield) -> Value {
+    let (grid, n) = (terrain.grid().clone(), terrain.cells().len());
+    match of {
+        ValueType::Heightfield => Value::Heightfield(Arc::new(terrain.clone())),
+        ValueType::Mask => {
+            let cells = (0..n).map(|i| [0.0, 0.0, 0.25, 1.0, 1.0, 0.75][i % 6]).collect();
+            Value::Mask(Arc::new(Mask::new(grid, cells).unwrap()))
+        }
+        ValueType::Texture => {
+            let cells = (0..n).map(|i| [i as u8, (i / 3) as u8, 99, 255]).collect();
+            Value::Texture(Arc::new(Texture::new(grid, cells).unwrap()))
+        }
+        ValueType::Features => Value::Features(Arc::new(Features {
+            grid,
+            kind: FeatureKind::Ridge,
+            points: Vec::new(),
+            lines: Vec::new(),
+            profile_len: 0,
+            profile_step: 1.0,
+        })),
+        ValueType::Points => {
+            let at: Vec<DVec2> =
+                (0..n).step_by(17).map(|i| grid.position(i / grid.cols, i % grid.cols)).collect();
+            let (x, y) = (at.iter().map(|p| p.x).collect(), at.iter().map(|p| p.y).collect());
+            let heights = (0..at.len()).map(|i| 800.0 + i as f64).collect();
+            Value::Points(Arc::new(Points::new(x, y, heights).unwrap()))
+        }
+        ValueType::Placement => {
+            let (labels, sources) = (vec![0; n], vec![[0.0; 2]; n]);
+            let (patches, seams) = (Vec::new(), Vec::new());
+            Value::Placement(Arc::new(Placement { grid, patches, labels, sources, seams }))
+        }
+        ValueType::Table => {
+            let column = |name: &str, cells| Column { name: name.into(), unit: Unit::Metre, cells };
+            let columns = vec![
+                column("rmse", Entries::Numbers(vec![1.5, f64::NAN])),
+                column("of", Entries::Texts(vec!["a".into(), "b, \"c\"".into()])),
+            ];
+            Value::Table(Arc::new(Table::new(columns).unwrap()))
+        }
+        ValueType::Mesh => Value::Mesh(Arc::new(Mesh {
+            vertices: vec![[0.0; 3], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]],
+            triangles: vec![[0, 1, 2]],
+            ..Mesh::default()
+        })),
+        ValueType::Number => Value::Number(0.5),
+        ValueType::Integer => Value::Integer(3),
+        ValueType::Boolean => Value::Boolean(true),
+        ValueType::Text => Value::Text("text".into()),
+        other => panic!("no input is made here of type {other}"),
+    }
+}
+
+/// Everything connected, optional ports only when `all` is set.
+pub(crate) fn slots(spec: &NodeSpec, terrain: &Heightfield, all: bool) -> Vec<Slot> {
+    let slot = |port: &orograph_core::PortSpec| match port.arity {
+        Arity::One => Slot::One(value(port.value_type, terrain)),
+        Arity::Optional if all => Slot::One(value(port.value_type, terrain)),
+        Arity::Optional => Slot::Empty,
+        Arity::Many => Slot::Many(vec![value(port.value_type, terrain); 2]),
+    };
+    spec.inputs.iter().map(slot).collect()
+}
+
+/// The grid of a raster.
+pub(crate) fn grid_of(value: &Value) -> Option<&Grid> {
+    match value {
+        Value::Heightfield(raster) => Some(raster.grid()),
+        Value::Mask(raster) => Some(raster.grid()),
+        Value::Texture(raster) => Some(raster.grid()),
+        _ => None,
+    }
+}
+
+/// The part of a raster, other values as they are.
+pub(crate) fn crop(value: &Value, [row, col, rows, cols]: [usize; 4]) -> Value {
+    let job = orograph_core::Job::detached();
+    match value {
+        Value::Heightfield(raster) => {
+            Value::Heightfield(Arc::new(raster.crop(row, col, rows, cols, &job).unwrap()))
+        }
+        Value::Mask(raster) => Value::Mask(Arc::new(raster.crop(row, col, rows, cols, &job).unwrap())),
+        Value::Texture(raster) => Value::Texture(Arc::new(raster.crop(row, col, rows, cols, &job).unwrap())),
+        other => other.clone(),
+    }
+}
+
+/// Digests of all values, bit for bit.
+pub(crate) fn digests(values: &[Value]) -> Vec<Digest> {
+    values.iter().map(Value::digest).collect()
+}
