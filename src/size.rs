@@ -17,11 +17,11 @@ pub(crate) fn text(bytes: u64) -> String {
 /// Bytes that values may take in memory when nobody says: 8 GiB, or three quarters of a smaller machine.
 pub(crate) fn default_memory() -> u64 {
     const MOST: u64 = 8 << 30;
-    let mut system = sysinfo::System::new();
-    system.refresh_memory();
-    // A container may have less than its machine.
-    let total = system
-        .cgroup_limits()
-        .map_or(system.total_memory(), |limits| limits.total_memory.min(system.total_memory()));
+    let total = sysinfo::System::new().map_or(0, |mut system| {
+        system.refresh_memory();
+        let machine = system.total_memory();
+        // A container may have less than its machine.
+        system.cgroup_limits().map_or(machine, |limits| limits.total_memory.min(machine))
+    });
     if total == 0 { MOST } else { MOST.min(total / 4 * 3) }
 }
