@@ -260,6 +260,12 @@ impl Graph {
         None
     }
 
+    /// The type of an output; none when its node's type is missing.
+    #[must_use]
+    pub fn value_type(&self, output: OutputRef) -> Option<ValueType> {
+        Some(self.node(output.node).spec()?.outputs.get(output.output as usize)?.value_type)
+    }
+
     /// `node.port` of an output.
     #[must_use]
     pub fn output_name(&self, output: OutputRef) -> String {
@@ -313,6 +319,27 @@ impl GraphBuilder {
         &self.nodes[node.index()].name
     }
 
+    /// Adds all of `graph`, its nodes named `prefix/name`. Its node `i` becomes the builder's `first + i`, where
+    /// `first` is what this returns.
+    ///
+    /// # Errors
+    /// [`GraphError::DuplicateName`].
+    pub fn absorb(&mut self, graph: Graph, prefix: &str) -> Result<u32, GraphError> {
+        let first = u32::try_from(self.nodes.len()).unwrap_or(u32::MAX);
+        for mut node in graph.nodes {
+            node.name = format!("{prefix}/{}", node.name);
+            for wire in node.inputs.iter_mut().flatten() {
+                wire.node.0 += first;
+            }
+            let id = NodeId(u32::try_from(self.nodes.len()).unwrap_or(u32::MAX));
+            if self.names.insert(node.name.clone(), id).is_some() {
+                return Err(GraphError::DuplicateName { name: node.name });
+            }
+            self.nodes.push(node);
+        }
+        Ok(first)
+    }
+
     /// Adds a placeholder for a node whose type is unknown here.
     ///
     /// # Errors
@@ -360,15 +387,14 @@ impl GraphBuilder {
         let port = find(&target.name, "input", &spec.inputs, input)?;
         let (value_type, arity) = (spec.inputs[port].value_type, spec.inputs[port].arity);
         let from = &self.nodes[source.node.index()];
-        if let Some(given) = from.spec().and_then(|spec| spec.outputs.get(source.output as usize)) {
-            if given.value_type != value_type {
-                return Err(GraphError::TypeMismatch {
-                    from: format!("{}.{}", from.name, given.name),
-                    from_type: given.value_type,
-                    to: format!("{}.{input}", target.name),
-                    to_type: value_type,
-                });
-            }
+        let given = from.spec().and_then(|spec| spec.outputs.get(source.output as usize));
+        if let Some(given) = given.filter(|given| given.value_type != value_type) {
+            return Err(GraphError::TypeMismatch {
+                from: format!("{}.{}", from.name, given.name),
+                from_type: given.value_type,
+                to: format!("{}.{input}", target.name),
+                to_type: value_type,
+            });
         }
         let wires = &self.nodes[to.index()].inputs[port];
         if arity != Arity::Many && !wires.is_empty() {

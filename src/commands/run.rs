@@ -111,7 +111,7 @@ impl Targets {
     }
 
     fn add_writer(&mut self, name: &str, output: OutputRef, registry: &Registry) -> Result<(), Failure> {
-        let Some(value_type) = type_of(&self.graph, output) else {
+        let Some(value_type) = self.graph.value_type(output) else {
             // Its node's type is unknown: asking for it says so.
             self.values.push((name.to_owned(), output));
             return Ok(());
@@ -148,12 +148,8 @@ impl Targets {
     }
 }
 
-fn type_of(graph: &Graph, output: OutputRef) -> Option<ValueType> {
-    Some(graph.node(output.node).spec()?.outputs.get(output.output as usize)?.value_type)
-}
-
 fn is_printed(graph: &Graph, output: OutputRef) -> bool {
-    type_of(graph, output).is_some_and(|value_type| {
+    graph.value_type(output).is_some_and(|value_type| {
         matches!(
             value_type,
             ValueType::Table | ValueType::Number | ValueType::Integer | ValueType::Boolean | ValueType::Text

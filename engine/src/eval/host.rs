@@ -61,7 +61,7 @@ impl Host for TaskHost<'_> {
     }
     fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
         if self.run.request.graph.node(self.node).spec().is_some_and(|spec| spec.writes) {
-            return self.folder.create(path, &self.written);
+            return self.folder.create_noted(path, &self.written);
         }
         Err(Error::writing(path, "the node does not declare that it writes files"))
     }

@@ -37,11 +37,16 @@ impl OutputFolder {
         !files.is_empty() && files.iter().all(in_place)
     }
 
-    /// Begins a file. What was finished is added to `written`.
+    /// Begins a file.
     ///
     /// # Errors
     /// [`Error::Io`] when it cannot be made, or when its name leads out of the folder.
-    pub(crate) fn create(
+    pub fn create(&self, name: &str) -> Result<Box<dyn OutputStream>> {
+        self.create_noted(name, &Arc::default())
+    }
+
+    /// Begins a file. What was finished is added to `written`.
+    pub(crate) fn create_noted(
         &self,
         name: &str,
         written: &Arc<Mutex<Vec<WrittenFile>>>,

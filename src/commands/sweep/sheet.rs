@@ -1,0 +1,97 @@
+//! What a sweep writes: a contact sheet for each output that is a picture, and the table as CSV and JSON.
+
+use std::path::{Path, PathBuf};
+
+use orograph_core::{
+    Context, Error, Host, Job, Node, OutputPath, OutputStream, Result, Table, Texture, Value,
+};
+use orograph_engine::eval::OutputFolder;
+use orograph_nodes::{
+    io::{
+        write_table::{WriteTable, WriteTableIn},
+        write_texture::{WriteTexture, WriteTextureIn},
+    },
+    look::contact_sheet::{ContactSheet, ContactSheetIn},
+};
+
+use super::Cell;
+use crate::size;
+
+/// The pictures of a sweep.
+pub(crate) struct Sheets<'a> {
+    /// A label for each combination.
+    pub(crate) labels: &'a [String],
+    /// Pictures in a row; 0 chooses.
+    pub(crate) columns: usize,
+    /// For each combination, its outputs.
+    pub(crate) cells: &'a [Vec<Cell>],
+    /// The values of all outputs, combination by combination.
+    pub(crate) values: &'a [Option<Value>],
+}
+
+impl Sheets<'_> {
+    /// Writes `sweep.csv`, `sweep.json` and the sheets into the folder, and names them.
+    pub(crate) fn write(&self, folder: &Path, thumbnail: u32, table: &Table) -> Result<Vec<String>> {
+        let host = FolderHost(OutputFolder::new(folder));
+        let job = Job::new(&host, Context::default());
+        let mut files = Vec::new();
+        for file in ["sweep.csv", "sweep.json"] {
+            let writer = WriteTable { file: OutputPath(file.into()), ..WriteTable::default() };
+            writer.run(WriteTableIn { table }, &job)?;
+            files.push(file.to_owned());
+        }
+        let n_outputs = self.cells.first().map_or(0, Vec::len);
+        for output in (0..n_outputs).filter(|&output| self.cells[0][output].picture) {
+            if let Some(sheet) = self.sheet(output, n_outputs, thumbnail, &job)? {
+                let name = self.cells[0][output].name.replace(['/', '.'], "-");
+                let file = format!("sweep-{name}.png");
+                let writer = WriteTexture { file: OutputPath(file.clone()) };
+                writer.run(WriteTextureIn { texture: &sheet }, &job)?;
+                files.push(file);
+            }
+        }
+        Ok(files)
+    }
+
+    /// The sheet of one output; none when every combination failed.
+    fn sheet(&self, output: usize, n_outputs: usize, thumbnail: u32, job: &Job) -> Result<Option<Texture>> {
+        let of_output = self.values.iter().skip(output).step_by(n_outputs);
+        let made = of_output.zip(self.labels).filter_map(|(value, label)| match value {
+            Some(Value::Texture(picture)) => Some((picture.as_ref(), label.as_str())),
+            _ => None,
+        });
+        let (pictures, labels): (Vec<_>, Vec<_>) = made.unzip();
+        if pictures.is_empty() {
+            return Ok(None);
+        }
+        let sheet = ContactSheet {
+            labels: labels.join("\n"),
+            title: self.cells[0][output].name.clone(),
+            // With a picture missing, a row would no longer be one value.
+            columns: if pictures.len() == self.cells.len() { self.columns.min(64) as u32 } else { 0 },
+            size: thumbnail,
+            ..ContactSheet::default()
+        };
+        Ok(Some(sheet.run(ContactSheetIn { pictures }, job)?.picture))
+    }
+}
+
+/// Lets writers write into a folder without a run.
+struct FolderHost(OutputFolder);
+
+impl Host for FolderHost {
+    fn cancelled(&self) -> bool {
+        false
+    }
+    fn progress(&self, _: f64) {}
+    fn warn(&self, _: &str) {}
+    fn memory_limit(&self) -> u64 {
+        size::default_memory()
+    }
+    fn input_path(&self, path: &str) -> Result<PathBuf> {
+        Err(Error::reading(path, "a sweep's sheet reads no files"))
+    }
+    fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
+        self.0.create(path)
+    }
+}
