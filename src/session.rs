@@ -89,7 +89,7 @@ pub(crate) fn evaluator(options: &EvaluationOptions) -> Result<Evaluator, Failur
             None
         }
     });
-    Evaluator::new(Cache::new(memory, disk), options.jobs)
+    Evaluator::new(Cache::new(memory, disk), usize::from(options.jobs))
         .map_err(|error| Failure::Other(format!("cannot start threads: {error}")))
 }
 

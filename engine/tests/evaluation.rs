@@ -94,6 +94,7 @@ fn two_nodes_with_one_key_compute_once() {
     let starts = Arc::new(Starts::default());
     let report = pull_counting(&in_memory(8), &graph, &twins, &starts);
     assert_eq!(starts.count(), 2, "the number and one of the twins");
+    assert_eq!(report.counts().computed, 2);
     assert!((0..50).all(|i| number(&report, i) == 7.0));
 }
 

@@ -17,7 +17,7 @@ mod state;
 
 use std::{
     path::PathBuf,
-    sync::{Arc, Condvar, Mutex, PoisonError},
+    sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError},
 };
 
 use orograph_core::{Context, Value};
@@ -45,8 +45,15 @@ pub(crate) struct Shared {
     pub(crate) pool: ThreadPool,
     pub(crate) jobs: usize,
     pub(crate) in_flight: InFlight,
-    writes: Mutex<usize>,
+    backlog: Mutex<Backlog>,
     written: Condvar,
+}
+
+/// What is still to be written to the cache folder.
+#[derive(Default)]
+struct Backlog {
+    items: usize,
+    bytes: u64,
 }
 
 /// What a run is asked for.
@@ -99,7 +106,7 @@ impl Evaluator {
             pool,
             jobs,
             in_flight: InFlight::default(),
-            writes: Mutex::new(0),
+            backlog: Mutex::default(),
             written: Condvar::new(),
         };
         Ok(Self { shared: Arc::new(shared) })
@@ -156,24 +163,39 @@ impl Drop for Evaluator {
 }
 
 impl Shared {
-    /// Does some writing on the pool, after the work that is already waiting there.
-    pub(crate) fn write_behind(self: &Arc<Self>, work: impl FnOnce(&Cache) + Send + 'static) {
-        *self.writes.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+    /// Does some writing on the pool, after the work that is already waiting there. What waits holds its
+    /// `bytes` in memory; when that is a quarter of the budget, the caller writes by itself.
+    pub(crate) fn write_behind(self: &Arc<Self>, bytes: u64, work: impl FnOnce(&Cache) + Send + 'static) {
+        {
+            let mut backlog = self.backlog();
+            if backlog.bytes + bytes > self.cache.memory_budget() / 4 {
+                drop(backlog);
+                work(&self.cache);
+                return;
+            }
+            backlog.items += 1;
+            backlog.bytes += bytes;
+        }
         let shared = Arc::clone(self);
         self.pool.spawn(move || {
             work(&shared.cache);
-            let mut writes = shared.writes.lock().unwrap_or_else(PoisonError::into_inner);
-            *writes -= 1;
-            if *writes == 0 {
+            let mut backlog = shared.backlog();
+            backlog.items -= 1;
+            backlog.bytes -= bytes;
+            if backlog.items == 0 {
                 shared.written.notify_all();
             }
         });
     }
 
+    fn backlog(&self) -> MutexGuard<'_, Backlog> {
+        self.backlog.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
     fn wait_for_writes(&self) {
-        let mut writes = self.writes.lock().unwrap_or_else(PoisonError::into_inner);
-        while *writes > 0 {
-            writes = self.written.wait(writes).unwrap_or_else(PoisonError::into_inner);
+        let mut backlog = self.backlog();
+        while backlog.items > 0 {
+            backlog = self.written.wait(backlog).unwrap_or_else(PoisonError::into_inner);
         }
     }
 }

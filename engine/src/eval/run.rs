@@ -249,7 +249,8 @@ impl Run {
         }
         if self.shared.cache.disk().is_some() {
             let record = Arc::clone(&record);
-            self.shared.write_behind(move |cache| cache.persist(&keys, &record, &values));
+            let bytes = values.iter().map(Value::size_in_memory).sum();
+            self.shared.write_behind(bytes, move |cache| cache.persist(&keys, &record, &values));
         }
         self.change(|scheduler| scheduler.complete(node, record, micros));
         Ok(())
@@ -301,17 +302,23 @@ impl Run {
         let mut prints = Vec::new();
         for &id in &self.wanted {
             let line = &state.lines[self.stand_in[id.index()] as usize];
-            let Some(outcome) = line.outcome.clone() else { continue };
+            let Some(mut outcome) = line.outcome.clone() else { continue };
             let node = self.request.graph.node(id);
+            let record = line.record();
+            if outcome == Outcome::Computed && self.stand_in[id.index()] != id.0 {
+                // Another node with the same recipe ran for both.
+                outcome = Outcome::Hit(Tier::Memory);
+            }
             let mut reason = None;
             if self.request.history.is_some() {
                 let print = Print::of(node, self.request.context, &self.keys, &self.shared.cache);
                 if outcome == Outcome::Computed {
                     reason = Some(self.history.reason(node, &print, &self.request.graph));
                 }
-                prints.push((node.name.clone(), print));
+                if record.is_some() {
+                    prints.push((node.name.clone(), print));
+                }
             }
-            let record = line.record();
             let names = node.spec().map(|spec| spec.outputs.as_slice()).unwrap_or_default();
             let outputs = record.map(|record| {
                 names
@@ -401,7 +408,7 @@ impl Run {
         self.shared.cache.remember(recipe, record);
         if tier == Tier::Disk || self.shared.cache.disk().is_some() {
             let record = Arc::clone(record);
-            self.shared.write_behind(move |cache| cache.persist_record(&recipe, &record));
+            self.shared.write_behind(0, move |cache| cache.persist_record(&recipe, &record));
         }
     }
 }

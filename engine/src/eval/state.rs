@@ -87,7 +87,7 @@ pub(crate) struct State {
     pub(crate) active: usize,
     /// Nodes that wait for another run.
     pub(crate) elsewhere: usize,
-    /// Cost of the nodes that had to run so far.
+    /// Cost of the nodes that were not known at once.
     pub(crate) cost: f64,
     /// The part of it that is done.
     pub(crate) done_cost: f64,
@@ -159,7 +159,6 @@ impl<'a> Scheduler<'a> {
 
     /// Ends a node that ran. Its values were pinned, and stay so while someone wants them.
     pub(crate) fn complete(&mut self, node: u32, record: Arc<Record>, micros: u64) {
-        self.state.advance(node, 1.0, self.run.cost(node));
         let line = self.line(node);
         line.micros += micros;
         line.pinned = line.users > 0;
@@ -249,6 +248,8 @@ impl<'a> Scheduler<'a> {
         self.line(node).waiting = 1;
         self.steps.push(Step::Arrive(node));
         let count = !std::mem::replace(&mut self.line(node).counted, true);
+        self.line(node).progress = 0.0;
+        self.state.cost += run.cost(node);
         for input in run.inputs(node) {
             if count {
                 self.line(input).users += 1;
@@ -332,7 +333,6 @@ impl<'a> Scheduler<'a> {
             return;
         }
         self.line(node).phase = Phase::Queued;
-        self.state.cost += self.run.cost(node);
         self.state.ready.push(node);
     }
 
@@ -351,6 +351,10 @@ impl<'a> Scheduler<'a> {
 
     fn end(&mut self, node: u32, phase: Phase, outcome: Outcome) {
         let run = self.run;
+        if self.line(node).counted {
+            // Whatever became of it, nothing is left to do.
+            self.state.advance(node, 1.0, run.cost(node));
+        }
         let line = self.line(node);
         line.phase = phase;
         line.forced = false;

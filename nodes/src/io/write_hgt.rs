@@ -41,6 +41,7 @@ impl Node for WriteHgt {
     }
 
     fn run(&self, inputs: WriteHgtIn<'_>, job: &Job) -> Result<()> {
+        job.check()?;
         let bytes = hgt::write(inputs.terrain, job)?;
         let here = inputs.terrain.grid().georef_here();
         let georef = here.filter(|georef| georef.crs == "EPSG:4326" || georef.crs == "EPSG:4269");

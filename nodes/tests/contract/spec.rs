@@ -162,7 +162,9 @@ fn values_beyond_the_range_are_refused() {
         for (index, param) in node.spec().params.iter().enumerate() {
             let bad = match &param.kind {
                 ParamKind::Number { range, .. } => {
-                    [range.0 - 1.0, range.1 + 1.0, f64::NAN, f64::INFINITY].map(ParamValue::Number).to_vec()
+                    [range.0.next_down(), range.1.next_up(), f64::NAN, f64::INFINITY]
+                        .map(ParamValue::Number)
+                        .to_vec()
                 }
                 ParamKind::Integer { range, .. } => {
                     [range.0 - 1, range.1 + 1].map(ParamValue::Integer).to_vec()
