@@ -1,7 +1,7 @@
 //! `orograph check`: everything that can be known of a graph without running it.
 
 use orograph_core::{ParamKind, ParamValue};
-use orograph_engine::{Compiled, graph::Action};
+use orograph_engine::{Compiled, document::GRAPH, graph::Action};
 
 use crate::{
     arguments::{CheckOptions, GraphSettings},
@@ -34,7 +34,8 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
     first.map_or(Ok(()), Err)
 }
 
-/// Placeholders are refused where a writer or a named output needs them.
+/// Placeholders are refused where a writer or a named output needs them. The inputs of a graph that is there to
+/// be a node of others are none of them.
 fn needs_nothing_missing(compiled: &Compiled) -> Result<(), Failure> {
     let graph = &compiled.graph;
     let mut stack: Vec<_> =
@@ -44,7 +45,8 @@ fn needs_nothing_missing(compiled: &Compiled) -> Result<(), Failure> {
         if std::mem::replace(&mut seen[id.index()], true) {
             continue;
         }
-        if let Some(error) = compiled.missing.get(&id) {
+        let given_from_outside = graph.node(id).name.split('.').next() == Some(GRAPH);
+        if let Some(error) = compiled.missing.get(&id).filter(|_| !given_from_outside) {
             return Err(error.clone().into());
         }
         stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
