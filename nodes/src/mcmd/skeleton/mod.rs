@@ -1,9 +1,9 @@
 //! A skeleton of ridges and rivers from nothing, as constraints for `mcmd.mcmd`.
 //!
 //! Belhadj (2007) starts terrains from scratch with such a skeleton and says little of it, so this is our own: ridges
-//! wander out from summits on fractal headings and sink like a bell; rivers rise beside them and run down the surface
-//! that the ridges span, never over a ridge, never uphill, one into another, and out of its pits by the nearest border. Lengths are shares of the diagonal, so a
-//! preview has the ridges of the build.
+//! wander out from summits on fractal headings and sink like a bell; rivers rise beside them and keep to the valleys of
+//! a rough terrain that the ridges span, never over a ridge, never uphill, one into another, and out over the border.
+//! Lengths are shares of the diagonal, so a preview has the ridges of the build.
 
 mod ridges;
 mod rivers;
@@ -81,7 +81,7 @@ impl Node for Skeleton {
         let rivers = if ridges.void_count() == grid.len() {
             rivers::Rivers::default()
         } else {
-            let surface = spanned(&ridges, job)?;
+            let surface = spanned(&ridges, self.relief, seed, job)?;
             rivers::trace(&ridges, &surface, self.relief, self.rivers, seed, job)?
         };
         let ridge_mask = ridges.map(job, |height| if height.is_nan() { 0.0 } else { 1.0 })?;
@@ -95,18 +95,18 @@ impl Node for Skeleton {
     }
 }
 
-/// The smooth surface that ridges span, for rivers to run down.
-fn spanned(ridges: &Heightfield, job: &Job<'_>) -> Result<Heightfield> {
+/// The terrain that ridges span, for rivers to choose their ways over: its roughness makes them wind.
+fn spanned(ridges: &Heightfield, relief: f64, seed: u64, job: &Job<'_>) -> Result<Heightfield> {
     let known = Known::of(ridges)?;
     let settings = Settings {
-        scheme: Scheme::TriangleEdge,
-        shape: Shape { l: 0.0, l_bu: 0.0, hurst: 0.0, rt: 0.0, rs: 0.0 },
-        relief: 1.0,
+        scheme: Scheme::DiamondSquare,
+        shape: Shape { l: 1.0, l_bu: 6.0, hurst: 0.3, rt: 0.0, rs: 0.6 },
+        relief,
         datum: 0.0,
         center_gain: 1.0,
         limits: None,
         dimensions: 2.0,
-        seed: 0,
+        seed,
     };
     Ok(reconstruct(ridges, &known, &settings, job)?.0)
 }

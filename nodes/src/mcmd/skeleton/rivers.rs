@@ -1,7 +1,13 @@
-//! Rivers: walkers that run down the surface between the ridges, and into one another.
+//! Rivers: from springs beside the ridges along the lowest ways to the border, and into one another.
+//!
+//! From every cell there is one best way out to the border that crosses no ridge, where high ground costs more than
+//! low ground. The ways of all cells make a forest (Dijkstra 1959), so rivers that meet stay together, and none runs in a circle.
 
-use std::collections::BTreeMap;
-use std::f64::consts::TAU;
+use std::{
+    cmp::Reverse,
+    collections::{BTreeMap, BinaryHeap},
+    f64::consts::TAU,
+};
 
 use orograph_core::prelude::*;
 use orograph_core::{key, unit};
@@ -17,17 +23,20 @@ const BESIDE: f64 = 3.0;
 /// Springs tried for each river before it is given up.
 const TRIES: i64 = 16;
 
-/// How much of the old heading a river keeps at each cell.
-const INERTIA: f64 = 0.6;
+/// How dear high ground is: a cell at the height of the relief costs e to this times as much as one at 0 m.
+const DEARNESS: f64 = 6.0;
 
-/// Cells that a river runs without finding lower ground before it takes the place for a pit and makes for the border.
-const PATIENCE: usize = 8;
+/// Bound of that exponent, for ground that lies far outside the relief.
+const DEAREST: f64 = 20.0;
 
-/// Share of the diagonal that it goes on like that before it ends as a lake.
-const PERSISTENCE: f64 = 0.5;
+/// Height of a spring as a share of that of the ridge beside it.
+const CUT: f64 = 0.6;
 
-/// Cells to either side between which the slope is taken.
-const SLOPE_REACH: usize = 4;
+/// Share of a river's fall that is spread evenly; the rest is steeper the nearer the spring.
+const EVEN: f64 = 0.3;
+
+/// Cells between two questions whether the run was cancelled.
+const ROUND: usize = 4096;
 
 /// Cells of all rivers.
 #[derive(Debug, Default)]
@@ -38,10 +47,10 @@ pub(super) struct Rivers {
     pub(super) downstream: BTreeMap<usize, usize>,
 }
 
-/// Traces `count` rivers down `surface` between `ridges`.
+/// Traces `count` rivers over `surface` between `ridges`.
 ///
 /// # Errors
-/// Cancellation.
+/// Cancellation, and too little memory for the ways.
 pub(super) fn trace(
     ridges: &Heightfield,
     surface: &Heightfield,
@@ -51,143 +60,133 @@ pub(super) fn trace(
     job: &Job<'_>,
 ) -> Result<Rivers> {
     let crest: Vec<usize> = (0..ridges.cells().len()).filter(|&i| !ridges.cells()[i].is_nan()).collect();
+    let ways = ways_out(ridges, surface, relief, job)?;
     // A thousandth of the relief a cell, and no more than the relief along the diagonal of a large grid.
     let fall = relief * (1.0 / diagonal(ridges.grid())).min(1e-3);
-    let mut land = Land { ridges, surface, fall, rivers: Rivers::default() };
+    let mut land = Land { ridges, fall, ways, rivers: Rivers::default() };
     for river in 0..i64::from(count) {
+        job.check()?;
         let spring = (0..TRIES).find_map(|attempt| {
             let draw = |what: i64| unit(key(seed, STREAM, river, attempt * 4 + what));
             let ridge = crest.get((draw(0) * crest.len() as f64) as usize)?;
-            land.spring(*ridge, draw(1) * TAU)
+            Some((land.spring(*ridge, draw(1) * TAU)?, f64::from(ridges.cells()[*ridge])))
         });
-        if let Some((cell, heading)) = spring {
-            land.run(cell, heading, job)?;
+        if let Some((spring, crest)) = spring {
+            land.run(spring, CUT * crest);
         }
     }
     Ok(land.rivers)
 }
 
+/// The next cell on the way out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Way {
+    /// Ridges bar every way.
+    None,
+    /// The cell lies on the border.
+    Out,
+    /// Over that cell.
+    Over(usize),
+}
+
+/// The best way out from every cell.
+fn ways_out(ridges: &Heightfield, surface: &Heightfield, relief: f64, job: &Job<'_>) -> Result<Vec<Way>> {
+    let (rows, cols) = ridges.grid().size();
+    let n = rows * cols;
+    job.admit(n as u64 * 48, || format!("the ways of rivers over {rows} × {cols} cells"))?;
+    let is_ridge = |at: usize| !ridges.cells()[at].is_nan();
+    let cost = |at: usize| {
+        let height = DEARNESS * f64::from(surface.cells()[at]) / relief;
+        libm::exp(height.clamp(-DEAREST, DEAREST))
+    };
+    let mut ways = vec![Way::None; n];
+    let mut best = vec![f64::INFINITY; n];
+    // Costs are positive, so their bits sort as they do; the cell's place settles ties.
+    let mut queue = BinaryHeap::new();
+    for at in 0..n {
+        let (row, col) = (at / cols, at % cols);
+        let border = row == 0 || col == 0 || row + 1 == rows || col + 1 == cols;
+        if border && !is_ridge(at) {
+            (ways[at], best[at]) = (Way::Out, cost(at));
+            queue.push(Reverse((cost(at).to_bits(), at)));
+        }
+    }
+    let mut taken = 0_usize;
+    while let Some(Reverse((bits, at))) = queue.pop() {
+        taken += 1;
+        if taken.is_multiple_of(ROUND) {
+            job.check()?;
+        }
+        let so_far = f64::from_bits(bits);
+        if so_far > best[at] {
+            continue;
+        }
+        let (row, col) = (at / cols, at % cols);
+        for to_row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
+            for to_col in col.saturating_sub(1)..=(col + 1).min(cols - 1) {
+                let to = to_row * cols + to_col;
+                let aslant = to_row != row && to_col != col;
+                let squeezed = aslant && is_ridge(row * cols + to_col) && is_ridge(to_row * cols + col);
+                if to == at || is_ridge(to) || squeezed {
+                    continue;
+                }
+                let length = if aslant { std::f64::consts::SQRT_2 } else { 1.0 };
+                let reached = so_far + length * cost(to);
+                if reached < best[to] {
+                    (ways[to], best[to]) = (Way::Over(at), reached);
+                    queue.push(Reverse((reached.to_bits(), to)));
+                }
+            }
+        }
+    }
+    Ok(ways)
+}
+
 struct Land<'a> {
     ridges: &'a Heightfield,
-    surface: &'a Heightfield,
     fall: f64,
+    ways: Vec<Way>,
     rivers: Rivers,
 }
 
-type Cell = (usize, usize);
-
 impl Land<'_> {
-    fn index(&self, (row, col): Cell) -> usize {
-        row * self.ridges.cols() + col
-    }
-
-    fn cell_at(&self, row: f64, col: f64) -> Option<Cell> {
-        let (row, col) = (row.round(), col.round());
-        let inside =
-            row >= 0.0 && col >= 0.0 && row < self.ridges.rows() as f64 && col < self.ridges.cols() as f64;
-        inside.then_some((row as usize, col as usize))
-    }
-
-    fn is_ridge(&self, (row, col): Cell) -> bool {
-        !self.ridges.at(row, col).is_nan()
-    }
-
-    /// A free cell beside a ridge, and the direction that leads away from it.
-    fn spring(&self, ridge: usize, direction: f64) -> Option<(Cell, (f64, f64))> {
-        let (row, col) = (ridge / self.ridges.cols(), ridge % self.ridges.cols());
-        let heading = (libm::sin(direction), libm::cos(direction));
-        let cell = self.cell_at(row as f64 + BESIDE * heading.0, col as f64 + BESIDE * heading.1)?;
-        let free = !self.is_ridge(cell) && !self.rivers.heights.contains_key(&self.index(cell));
-        free.then_some((cell, heading))
-    }
-
-    /// Direction of steepest descent (rows, columns); none on level ground.
-    fn descent(&self, (row, col): Cell) -> Option<(f64, f64)> {
-        let (rows, cols) = self.surface.grid().size();
-        let (up, down) = (row.saturating_sub(SLOPE_REACH), (row + SLOPE_REACH).min(rows - 1));
-        let (west, east) = (col.saturating_sub(SLOPE_REACH), (col + SLOPE_REACH).min(cols - 1));
-        let height = |row, col| f64::from(self.surface.at(row, col));
-        let along_rows = (height(up, col) - height(down, col)) / down.abs_diff(up).max(1) as f64;
-        let along_cols = (height(row, west) - height(row, east)) / east.abs_diff(west).max(1) as f64;
-        unit_vector((along_rows, along_cols))
-    }
-
-    /// Direction of the nearest border.
-    fn outward(&self, (row, col): Cell) -> (f64, f64) {
+    /// A free cell beside a ridge, from which there is a way out.
+    fn spring(&self, ridge: usize, direction: f64) -> Option<usize> {
         let (rows, cols) = self.ridges.grid().size();
-        let ways = [
-            (row, (-1.0, 0.0)),
-            (rows - 1 - row, (1.0, 0.0)),
-            (col, (0.0, -1.0)),
-            (cols - 1 - col, (0.0, 1.0)),
-        ];
-        ways.into_iter().min_by_key(|way| way.0).map_or((0.0, 0.0), |way| way.1)
+        let row = ((ridge / cols) as f64 + BESIDE * libm::sin(direction)).round();
+        let col = ((ridge % cols) as f64 + BESIDE * libm::cos(direction)).round();
+        let inside = row >= 0.0 && col >= 0.0 && row < rows as f64 && col < cols as f64;
+        let at = inside.then_some(row as usize * cols + col as usize)?;
+        let free = self.ways[at] != Way::None && !self.rivers.heights.contains_key(&at);
+        free.then_some(at)
     }
 
-    /// The next cell from a place under a heading, turned as little as needed past ridges and the river itself; none
-    /// at the border or where there is no way on.
-    fn step(&self, here: (f64, f64), heading: (f64, f64), own: &[usize]) -> Option<Step> {
-        let from = self.cell_at(here.0, here.1)?;
-        for turn in (0..25).map(|k| f64::from((k + 1) / 2) * if k % 2 == 0 { 1.0 } else { -1.0 }) {
-            let (sin, cos) = libm::sincos(turn * TAU / 24.0);
-            let turned = (heading.0 * cos - heading.1 * sin, heading.0 * sin + heading.1 * cos);
-            let place = (here.0 + turned.0, here.1 + turned.1);
-            // Beyond the border lies the sea: the river ends in its last cell.
-            let to = self.cell_at(place.0, place.1)?;
-            let blocked = |cell: Cell| self.is_ridge(cell);
-            let squeezed =
-                to.0 != from.0 && to.1 != from.1 && blocked((to.0, from.1)) && blocked((from.0, to.1));
-            if to == from || !(blocked(to) || squeezed || own.contains(&self.index(to))) {
-                return Some(Step { place, cell: to, heading: turned });
+    /// Leads a river from its spring, at the height `start`, to the border or into another.
+    fn run(&mut self, spring: usize, start: f64) {
+        let mut course = vec![spring];
+        let mut at = spring;
+        let joined = loop {
+            let Way::Over(next) = self.ways[at] else { break None };
+            self.rivers.downstream.insert(at, next);
+            if self.rivers.heights.contains_key(&next) {
+                break Some(next);
             }
-        }
-        None
-    }
-
-    fn run(&mut self, spring: Cell, heading: (f64, f64), job: &Job<'_>) -> Result<()> {
-        let mut place = (spring.0 as f64, spring.1 as f64);
-        let mut cell = spring;
-        let mut heading = heading;
-        let mut height = f64::from(self.surface.at(cell.0, cell.1));
-        let mut course = vec![self.index(cell)];
-        self.rivers.heights.insert(course[0], height as f32);
-        let patience = PATIENCE + (PERSISTENCE * diagonal(self.ridges.grid())) as usize;
-        let (mut lowest, mut in_vain, mut way_out) = (height, 0, None);
-        while in_vain < patience {
-            job.check()?;
-            let ground = f64::from(self.surface.at(cell.0, cell.1));
-            if ground < lowest {
-                (lowest, in_vain, way_out) = (ground, 0, None);
-            } else {
-                in_vain += 1;
+            course.push(next);
+            at = next;
+        };
+        let end = joined.and_then(|at| self.rivers.heights.get(&at)).map_or(0.0, |&height| f64::from(height));
+        let mut height = start;
+        for (i, &at) in course.iter().enumerate() {
+            let left = 1.0 - i as f64 / course.len() as f64;
+            let graded = end + (start - end).max(0.0) * left * (EVEN + (1.0 - EVEN) * left);
+            if i > 0 {
+                height = graded.min(self.below(height));
             }
-            if in_vain > PATIENCE && way_out.is_none() {
-                way_out = Some(self.outward(cell));
-            }
-            if let Some(goal) = way_out.or_else(|| self.descent(cell)) {
-                let bent = |old: f64, goal: f64| INERTIA * old + (1.0 - INERTIA) * goal;
-                let bent = (bent(heading.0, goal.0), bent(heading.1, goal.1));
-                heading = unit_vector(bent).unwrap_or(goal);
-            }
-            let Some(step) = self.step(place, heading, &course) else { break };
-            (place, heading) = (step.place, step.heading);
-            if step.cell == cell {
-                continue;
-            }
-            cell = step.cell;
-            let at = self.index(cell);
-            if let Some(&last) = course.last() {
-                self.rivers.downstream.insert(last, at);
-            }
-            if self.rivers.heights.contains_key(&at) {
-                self.lower_downstream(at, height);
-                break;
-            }
-            height = self.below(height).min(f64::from(self.surface.at(cell.0, cell.1)));
             self.rivers.heights.insert(at, height as f32);
-            course.push(at);
         }
-        Ok(())
+        if let Some(at) = joined {
+            self.lower_downstream(at, height);
+        }
     }
 
     /// The highest that a river may be one cell further down; it nears 0 m and never sinks below.
@@ -211,18 +210,6 @@ impl Land<'_> {
     }
 }
 
-/// A step of a river.
-struct Step {
-    place: (f64, f64),
-    cell: Cell,
-    heading: (f64, f64),
-}
-
-fn unit_vector((a, b): (f64, f64)) -> Option<(f64, f64)> {
-    let length = libm::hypot(a, b);
-    (length > 1e-12).then(|| (a / length, b / length))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -235,15 +222,22 @@ mod tests {
             let node = Skeleton { ridges: 10, ..Skeleton::default() };
             let grid = Grid::new(150, 180, CellSize::square(10.0)).unwrap();
             let ridges = node.draw_ridges(grid, seed, &job).unwrap();
-            let surface = spanned(&ridges, &job).unwrap();
+            let surface = spanned(&ridges, 2000.0, seed, &job).unwrap();
             let rivers = trace(&ridges, &surface, 2000.0, 60, seed, &job).unwrap();
             let mut joined = 0;
             for (&cell, &height) in &rivers.heights {
                 assert!(ridges.cells()[cell].is_nan());
                 assert!((0.0..=2000.0).contains(&height));
-                if let Some(next) = rivers.downstream.get(&cell) {
-                    assert!(rivers.heights[next] < height, "{} after {height}", rivers.heights[next]);
-                    joined += 1;
+                match rivers.downstream.get(&cell) {
+                    Some(next) => {
+                        assert!(rivers.heights[next] < height, "{} after {height}", rivers.heights[next]);
+                        joined += 1;
+                    }
+                    // A river without a way on has come to the border.
+                    None => {
+                        let (row, col) = (cell / 180, cell % 180);
+                        assert!(row % 149 == 0 || col % 179 == 0, "a mouth at {row}, {col}");
+                    }
                 }
             }
             // Following the water ends at a mouth.
@@ -258,5 +252,22 @@ mod tests {
             }
             assert!(joined > 500, "{joined}");
         }
+    }
+
+    #[test]
+    fn ways_keep_to_the_valley_and_off_the_ridge() {
+        let job = Job::detached();
+        let grid = Grid::new(9, 21, CellSize::square(1.0)).unwrap();
+        // A trough along row 4, barred by a ridge across its western end; everything else is high.
+        let mut surface = Heightfield::filled(grid.clone(), 900.0, &job).unwrap();
+        surface.cells_mut()[4 * 21..5 * 21].fill(0.0);
+        let mut ridges = Heightfield::filled(grid, f32::NAN, &job).unwrap();
+        (0..8).for_each(|row| ridges.cells_mut()[row * 21 + 2] = 1000.0);
+        let ways = ways_out(&ridges, &surface, 1000.0, &job).unwrap();
+        assert!(ways[4 * 21 + 2] == Way::None);
+        for col in 3..20 {
+            assert_eq!(ways[4 * 21 + col], Way::Over(4 * 21 + col + 1));
+        }
+        assert_eq!(ways[4 * 21 + 20], Way::Out);
     }
 }
