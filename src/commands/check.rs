@@ -36,20 +36,8 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
 
 /// Placeholders are refused where a writer or a named output needs them.
 fn needs_nothing_missing(compiled: &Compiled) -> Result<(), Failure> {
-    let graph = &compiled.graph;
-    let mut stack: Vec<_> =
-        graph.writers().chain(compiled.outputs.values().map(|output| output.node)).collect();
-    let mut seen = vec![false; graph.nodes().len()];
-    while let Some(id) = stack.pop() {
-        if std::mem::replace(&mut seen[id.index()], true) {
-            continue;
-        }
-        if let Some(error) = compiled.missing.get(&id) {
-            return Err(error.clone().into());
-        }
-        stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
-    }
-    Ok(())
+    let named = compiled.outputs.values().map(|output| output.node);
+    session::refuse_missing(compiled, compiled.graph.writers().chain(named))
 }
 
 /// A file to read may be made later, so its absence is worth a word and no more.
