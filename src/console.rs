@@ -53,7 +53,8 @@ fn marked_line(error: &DocumentError) -> Option<String> {
         return None;
     }
     let start = column - 1 - skipped;
-    let width = error.span().map_or(1, |span| span.len()).clamp(1, shown.chars().count().max(start + 1) - start);
+    let width =
+        error.span().map_or(1, |span| span.len()).clamp(1, shown.chars().count().max(start + 1) - start);
     let gutter = " ".repeat(number.len());
     Some(format!(
         "  {gutter} |\n  {number} | {shown}\n  {gutter} | {}{}",

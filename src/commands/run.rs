@@ -174,11 +174,7 @@ fn tell_plan(evaluator: &Evaluator, request: &Request, json: bool) {
                 Planned::Run => "to compute",
                 Planned::Blocked => "blocked",
             };
-            [
-                node.name.clone(),
-                node.spec().map_or("", |spec| spec.id.as_ref()).to_owned(),
-                word.to_owned(),
-            ]
+            [node.name.clone(), node.spec().map_or("", |spec| spec.id.as_ref()).to_owned(), word.to_owned()]
         })
         .collect();
     if json {
