@@ -1,5 +1,8 @@
 //! The command as its users meet it: exit codes, streams, messages and files.
 
+// A helper that fails is a test that fails.
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use std::{

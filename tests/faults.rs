@@ -1,5 +1,8 @@
 //! What goes wrong around the command: bad input, no room, damaged caches, crowds, and sudden death.
 
+// A helper that fails is a test that fails.
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use std::{collections::BTreeMap, fs, thread, time::Duration};
@@ -192,10 +195,10 @@ fn rasters_of_voids_and_of_one_cell_pass_or_say_why() {
             "filter.median",
             "mask.voids",
             "measure.statistics",
-            "measure.slope",
+            "mask.from_slope",
             "look.hillshade",
             "look.colour_relief",
-            "look.histogram",
+            "look.contours",
             "repair.harmonic_fill",
             "transform.resize",
             "io.write_geotiff",
@@ -204,8 +207,11 @@ fn rasters_of_voids_and_of_one_cell_pass_or_say_why() {
         .iter()
         .enumerate()
         {
-            let params =
-                if node.starts_with("io.") { format!("file: \"{file}{index}.out\"") } else { String::new() };
+            let params = match *node {
+                "io.write_geotiff" => format!("file: \"{file}.tif\""),
+                "io.write_ascii" => format!("file: \"{file}.asc\""),
+                _ => String::new(),
+            };
             nodes += &format!(
                 r#""{file}{index}": (node: "{node}", version: 1, params: ({params}), inputs: {{"terrain": "{file}.terrain"}}),"#
             );
@@ -219,13 +225,14 @@ fn rasters_of_voids_and_of_one_cell_pass_or_say_why() {
     let ended = place.run(&format!("run g.ron --json {}", outputs.join(" ")));
     let manifest = ended.json();
     for node in manifest["nodes"].as_array().unwrap() {
+        // What makes no sense of one cell may say so; writing and clamping it makes sense.
+        let plain = node["node"] != "io.read_dem" && !node["node"].as_str().unwrap().starts_with("look.");
+        if plain && node["name"].as_str().unwrap().starts_with("one") {
+            assert_ne!(node["outcome"], "failed", "{node}");
+        }
         if node["outcome"] == "failed" {
             let error = node["error"].as_str().unwrap();
             assert!(!error.contains("panicked") && node["hint"].is_string(), "{node}");
-            assert!(
-                !node["name"].as_str().unwrap().starts_with("one") || node["node"] != "adjust.clamp",
-                "{node}"
-            );
         }
     }
 }

@@ -1,7 +1,7 @@
 //! A folder of its own for each test, and the command run in it.
 
-// Each test file uses its part of this.
-#![allow(dead_code)]
+// Each test file uses its part of this; a helper that fails is a test that fails.
+#![allow(dead_code, clippy::unwrap_used)]
 
 use std::{
     collections::BTreeMap,
