@@ -56,13 +56,14 @@ pub(crate) struct GraphSettings {
 #[derive(Args, Clone)]
 pub(crate) struct EvaluationOptions {
     /// The run's seed
-    #[arg(long, default_value_t = 0)]
+    #[arg(long, default_value_t = 0, value_name = "N", allow_negative_numbers = true)]
     pub(crate) seed: u64,
     /// Cells along the longer side that generators make, for previews
     #[arg(long, value_name = "CELLS", value_parser = clap::value_parser!(u32).range(1..=131_072))]
     pub(crate) resolution: Option<u32>,
     /// Threads; 0 is one for each core
-    #[arg(long, default_value_t = 0, value_name = "N", value_parser = clap::value_parser!(u16).range(0..=1024))]
+    #[arg(long, default_value_t = 0, value_name = "N", allow_negative_numbers = true,
+        value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(crate) jobs: u16,
     /// The cache folder, or `none` to keep results in memory alone
     #[arg(long, env = "OROGRAPH_CACHE", value_name = "DIR|none")]

@@ -1,9 +1,8 @@
 //! The two streams: results on standard output, everything else on standard error.
 
-use std::io::{self, IsTerminal, Write};
+use std::io::{self, Write};
 
-use miette::{GraphicalReportHandler, GraphicalTheme};
-use orograph_engine::DocumentErrors;
+use orograph_engine::{DocumentError, DocumentErrors};
 
 /// Writes a result. A reader that went away, as `head` does, is no error.
 pub(crate) fn result(text: &str) {
@@ -29,36 +28,39 @@ pub(crate) fn hint(text: &str) {
     }
 }
 
-/// Tells what is wrong with a graph, with the place in its file.
+/// Tells what is wrong with a graph: for each error its place, the line with the place marked, and the mend.
 pub(crate) fn document_errors(errors: &DocumentErrors) {
-    let theme = if io::stderr().is_terminal() { GraphicalTheme::unicode() } else { GraphicalTheme::none() };
-    let handler = GraphicalReportHandler::new_themed(theme).with_width(110).with_links(false);
-    for error in errors.errors() {
-        note(&format!("error: {error}"));
-        if error.span().is_some() {
-            let mut text = String::new();
-            if handler.render_report(&mut text, error).is_ok() {
-                // The headline was told; the rest shows the place.
-                let place: Vec<_> = text
-                    .lines()
-                    .filter(|line| {
-                        line.contains('│')
-                            || line.contains('|')
-                            || line.contains('╰')
-                            || line.contains('·')
-                            || line.contains(':')
-                    })
-                    .collect();
-                if place.len() > 1 {
-                    note(&text);
-                    continue;
-                }
-            }
+    for each in errors.errors() {
+        error(&each.to_string());
+        if let Some(lines) = marked_line(each) {
+            note(&lines);
         }
-        if let Some(help) = error.help_text() {
-            hint(help);
-        }
+        hint(each.help_text().unwrap_or_default());
     }
+}
+
+/// The line of an error with its place underlined; of a long line the part around it.
+fn marked_line(error: &DocumentError) -> Option<String> {
+    const BEFORE: usize = 60;
+    const MOST: usize = 100;
+    let (number, column) = (error.line()?.to_string(), error.column()?);
+    let line = error.line_text()?;
+    let skipped = (column - 1).saturating_sub(BEFORE);
+    // Tabs would shift the mark, and control characters the terminal.
+    let printed = |c: char| if c.is_control() { ' ' } else { c };
+    let shown: String = line.chars().skip(skipped).take(MOST).map(printed).collect();
+    if shown.trim().is_empty() {
+        return None;
+    }
+    let start = column - 1 - skipped;
+    let width =
+        error.span().map_or(1, |span| span.len()).clamp(1, shown.chars().count().max(start + 1) - start);
+    let gutter = " ".repeat(number.len());
+    Some(format!(
+        "  {gutter} |\n  {number} | {shown}\n  {gutter} | {}{}",
+        " ".repeat(start),
+        "^".repeat(width)
+    ))
 }
 
 /// Columns set flush, the first row being their heads.

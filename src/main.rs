@@ -21,6 +21,7 @@ use arguments::{Arguments, Command};
 fn main() -> ExitCode {
     // A panic inside a node becomes that node's error; its backtrace is nobody's reading.
     std::panic::set_hook(Box::new(|_| {}));
+    outlive_file_size_limit();
     let arguments = Arguments::parse();
     let result = std::panic::catch_unwind(|| match arguments.command {
         Command::Run(options) => commands::run::run(&options),
@@ -41,3 +42,15 @@ fn main() -> ExitCode {
         }
     }
 }
+
+/// Makes a write beyond the limit on file sizes an error, as on a full disk, instead of the process's end.
+#[cfg(unix)]
+fn outlive_file_size_limit() {
+    // Whoever handles the signal lives; that it came, the failing write tells.
+    let came = std::sync::Arc::default();
+    // Failing that, the limit ends the process, as it does by default.
+    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, came);
+}
+
+#[cfg(not(unix))]
+fn outlive_file_size_limit() {}

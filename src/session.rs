@@ -9,7 +9,7 @@ use etcetera::BaseStrategy;
 use indexmap::IndexMap;
 use orograph_core::Context;
 use orograph_engine::{
-    Cache, CancelToken, CompileOptions, Compiled, DiskTier, Document, Evaluator, Registry, compile,
+    Cache, CancelToken, CompileOptions, Compiled, DiskTier, Document, Evaluator, NodeId, Registry, compile,
     document::read_file,
 };
 
@@ -56,6 +56,27 @@ pub(crate) fn compile_with(
     Ok(compile(document, registry, &options)?)
 }
 
+/// Refuses a graph in which one of `roots` needs a placeholder, unless its name is excused.
+pub(crate) fn refuse_missing(
+    compiled: &Compiled,
+    roots: impl IntoIterator<Item = NodeId>,
+    excused: impl Fn(&str) -> bool,
+) -> Result<(), Failure> {
+    let graph = &compiled.graph;
+    let mut stack: Vec<_> = roots.into_iter().collect();
+    let mut seen = vec![false; graph.nodes().len()];
+    while let Some(id) = stack.pop() {
+        if std::mem::replace(&mut seen[id.index()], true) {
+            continue;
+        }
+        if let Some(error) = compiled.missing.get(&id).filter(|_| !excused(&graph.node(id).name)) {
+            return Err(error.clone().into());
+        }
+        stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
+    }
+    Ok(())
+}
+
 fn folder_of(file: &Path) -> PathBuf {
     file.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
@@ -65,7 +86,8 @@ fn vars(file: Option<&Path>) -> Result<Vec<(String, String)>, Failure> {
     let text = fs::read_to_string(file)
         .map_err(|error| Failure::usage(format!("reading {}: {error}", file.display()), "check the path"))?;
     let values: IndexMap<String, Box<ron::value::RawValue>> = ron::from_str(&text).map_err(|error| {
-        Failure::usage(format!("{}: {error}", file.display()), "write a map such as {\"keep\": 0.05}")
+        // The error begins with its line and column.
+        Failure::usage(format!("{}:{error}", file.display()), "write a map such as {\"keep\": 0.05}")
     })?;
     Ok(values.into_iter().map(|(name, value)| (name, value.get_ron().trim().to_owned())).collect())
 }

@@ -106,8 +106,8 @@ fn byte_order_marks_and_windows_line_ends_are_read() {
 fn faults_tell_place_and_mend() {
     let nodes = |nodes: &str| format!("(\n    format: 1,\n    nodes: {{\n        {nodes}\n    }},\n)");
     let cases: Vec<(String, (usize, usize), &str, &str)> = vec![
-        ("".into(), (1, 1), "the file is empty", ""),
-        ("  // only a comment".into(), (1, 20), "the file is empty", ""),
+        ("".into(), (1, 1), "expected a graph", "the file is empty"),
+        ("  // only a comment".into(), (1, 20), "expected a graph", "the file is empty"),
         ("(format: 1, nodes: {}) x".into(), (1, 24), "expected the end of the file", ""),
         ("(format: 1, nodes: {}".into(), (1, 22), "expected `,` or `)`, found the end of the file", ""),
         ("(format: 1 nodes: {})".into(), (1, 12), "expected `,` or `)`, found `n`", ""),

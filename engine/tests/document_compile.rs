@@ -144,7 +144,7 @@ fn faults_tell_place_and_mend() {
         ),
         (
             graph(&[DEM, r#""s": (node: "io.sheet", version: 1, inputs: {"pictures": ^"dem.terrain"})"#]),
-            "`dem.terrain` gives a Heightfield, but `s.pictures` takes a Texture", "`look.shade` makes a Texture of a Heightfield",
+            "`dem.terrain` gives a Heightfield, but `s.pictures` takes a Texture", "makes a Texture of a Heightfield, such as `look.shade`",
         ),
         (
             graph(&[r#"^"s": (node: "look.shade", version: 1)"#]),

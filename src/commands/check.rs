@@ -37,21 +37,9 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
 /// Placeholders are refused where a writer or a named output needs them. The inputs of a graph that is there to
 /// be a node of others are none of them.
 fn needs_nothing_missing(compiled: &Compiled) -> Result<(), Failure> {
-    let graph = &compiled.graph;
-    let mut stack: Vec<_> =
-        graph.writers().chain(compiled.outputs.values().map(|output| output.node)).collect();
-    let mut seen = vec![false; graph.nodes().len()];
-    while let Some(id) = stack.pop() {
-        if std::mem::replace(&mut seen[id.index()], true) {
-            continue;
-        }
-        let given_from_outside = graph.node(id).name.split('.').next() == Some(GRAPH);
-        if let Some(error) = compiled.missing.get(&id).filter(|_| !given_from_outside) {
-            return Err(error.clone().into());
-        }
-        stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
-    }
-    Ok(())
+    let named = compiled.outputs.values().map(|output| output.node);
+    let is_outer_input = |name: &str| name.split('.').next() == Some(GRAPH);
+    session::refuse_missing(compiled, compiled.graph.writers().chain(named), is_outer_input)
 }
 
 /// A file to read may be made later, so its absence is worth a word and no more.

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use indexmap::IndexSet;
 use orograph_core::{Value, ValueType};
 use orograph_engine::{
     Compiled, Evaluator, Graph, NodeId, Outcome, OutputRef, Registry, Report, Request, cache::Tier,
@@ -40,7 +41,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
         )),
     };
     if options.dry_run {
-        tell_plan(&evaluator, &request);
+        tell_plan(&evaluator, &request, options.json);
         return Ok(());
     }
     let cancel = session::cancel_on_signal();
@@ -93,6 +94,7 @@ impl Targets {
                 ));
             }
         }
+        let asked: IndexSet<_> = asked.iter().collect();
         for name in asked {
             match compiled.graph.find(name) {
                 Some(id) if compiled.graph.node(id).spec().is_some_and(|spec| spec.writes) => {
@@ -101,6 +103,8 @@ impl Targets {
                 _ => wanted.push((name.clone(), compiled.output(name)?)),
             }
         }
+        let roots = writers.iter().copied().chain(wanted.iter().map(|(_, output)| output.node));
+        session::refuse_missing(&compiled, roots, |_| false)?;
         let (values, rasters): (Vec<_>, Vec<_>) =
             wanted.into_iter().partition(|(_, output)| is_printed(&compiled.graph, *output));
         let mut targets = Self { graph: compiled.graph, writers, values };
@@ -111,11 +115,8 @@ impl Targets {
     }
 
     fn add_writer(&mut self, name: &str, output: OutputRef, registry: &Registry) -> Result<(), Failure> {
-        let Some(value_type) = self.graph.value_type(output) else {
-            // Its node's type is unknown: asking for it says so.
-            self.values.push((name.to_owned(), output));
-            return Ok(());
-        };
+        // Nodes of unknown type were refused before.
+        let Some(value_type) = self.graph.value_type(output) else { return Ok(()) };
         let writer = registry.iter().find(|node_type| {
             let spec = node_type.spec();
             spec.default_writer && spec.inputs.first().is_some_and(|port| port.value_type == value_type)
@@ -157,8 +158,8 @@ fn is_printed(graph: &Graph, output: OutputRef) -> bool {
     })
 }
 
-fn tell_plan(evaluator: &Evaluator, request: &Request) {
-    let rows: Vec<_> = evaluator
+fn tell_plan(evaluator: &Evaluator, request: &Request, json: bool) {
+    let rows: Vec<[String; 3]> = evaluator
         .plan(request)
         .into_iter()
         .map(|(id, planned)| {
@@ -169,14 +170,18 @@ fn tell_plan(evaluator: &Evaluator, request: &Request) {
                 Planned::Run => "to compute",
                 Planned::Blocked => "blocked",
             };
-            vec![
-                node.name.clone(),
-                node.spec().map_or("", |spec| spec.id.as_ref()).to_owned(),
-                word.to_owned(),
-            ]
+            [node.name.clone(), node.spec().map_or("", |spec| spec.id.as_ref()).to_owned(), word.to_owned()]
         })
         .collect();
-    console::result(&console::columns(&rows));
+    if json {
+        let nodes: Vec<_> = rows
+            .iter()
+            .map(|[name, node, plan]| serde_json::json!({"name": name, "node": node, "plan": plan}))
+            .collect();
+        console::result(&serde_json::json!({"status": "planned", "nodes": nodes}).to_string());
+        return;
+    }
+    console::result(&console::columns(&rows.into_iter().map(Vec::from).collect::<Vec<_>>()));
 }
 
 /// Failures, warnings, and what `--explain` and `--timings` ask for.
@@ -221,7 +226,9 @@ fn tell_report(report: &Report, options: &RunOptions) {
                 vec![time, crate::size::text(node.bytes), node.name.clone(), node.id.clone()]
             })
             .collect();
-        console::note(&console::columns(&rows));
+        if !rows.is_empty() {
+            console::note(&console::columns(&rows));
+        }
     }
 }
 

@@ -196,6 +196,7 @@ impl Error {
             Self::DimensionMismatch { .. } => "resize or crop one of them to the other's grid",
             Self::NotConverged { .. } => "allow more steps or a larger tolerance",
             Self::TooLarge { .. } => "lower the resolution, crop, or raise `--memory`",
+            Self::Io { action: "writing", .. } => "check that you may write there and that the disk has room",
             Self::Io { .. } => "check that the path exists and that you may use it",
             Self::Format { .. } => "export the file again, or choose the reader for its format",
             Self::Invalid { hint, .. } => return Some(hint.clone()).filter(|hint| !hint.is_empty()),

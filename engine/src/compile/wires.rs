@@ -158,7 +158,7 @@ impl Compiler<'_> {
         let ids: Vec<_> = converts.map(|spec| spec.id.to_string()).take(3).collect();
         match ids.is_empty() {
             true => format!("link an output that gives a {to}"),
-            false => format!("{} makes a {to} of a {from}; put it between them", list(&ids)),
+            false => format!("put a node between them that makes a {to} of a {from}, such as {}", list(&ids)),
         }
     }
 

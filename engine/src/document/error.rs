@@ -97,6 +97,12 @@ impl DocumentError {
         self.position().map(|(_, column)| column)
     }
 
+    /// The text of that line, without its end.
+    #[must_use]
+    pub fn line_text(&self) -> Option<&str> {
+        self.source.as_ref()?.text().split('\n').nth(self.line()? - 1)
+    }
+
     fn position(&self) -> Option<(usize, usize)> {
         Some(self.source.as_ref()?.position(self.span.as_ref()?.start))
     }

@@ -93,7 +93,7 @@ pub(crate) fn read(text: &str) -> Result<Tree, SyntaxError> {
     let mut reader = Reader { text, at: 0, values: 0 };
     reader.skip_space()?;
     if reader.rest().is_empty() {
-        return Err(reader.expected("a graph, but the file is empty", None));
+        return Err(reader.expected("a graph", Some("the file is empty")));
     }
     if reader.rest().starts_with("#!") {
         return Err(reader.expected("`(`", Some("graph files use no RON extensions; leave them out")));

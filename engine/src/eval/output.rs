@@ -58,7 +58,9 @@ impl OutputFolder {
             return Err(Error::writing(path.display(), "the name leads out of the output folder"));
         }
         let parent = path.parent().unwrap_or(&self.root).to_owned();
-        fs::create_dir_all(&parent).map_err(fail)?;
+        fs::create_dir_all(&parent).map_err(|error| {
+            Error::writing(path.display(), format!("its folder {} cannot be made: {error}", parent.display()))
+        })?;
         let (real_root, real_parent) =
             (fs::canonicalize(&self.root).map_err(fail)?, fs::canonicalize(&parent).map_err(fail)?);
         if !real_parent.starts_with(&real_root) {
