@@ -90,7 +90,9 @@ pub fn write(terrain: &Heightfield, job: &Job) -> Result<Vec<u8>> {
     bytes.par_chunks_mut(cols * 2).enumerate().try_for_each(|(row, out)| {
         job.check()?;
         for (col, (out, &height)) in out.as_chunks_mut::<2>().0.iter_mut().zip(terrain.row(row)).enumerate() {
-            let whole = if height.is_nan() { i32::from(VOID) } else { f64::from(height).round() as i32 };
+            // f64 holds the sum exactly, so halves are told from what lies just below them.
+            let rounded = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i32;
+            let whole = if height.is_nan() { i32::from(VOID) } else { rounded };
             let stored = i16::try_from(whole).ok().filter(|&whole| height.is_nan() || whole != VOID);
             *out = stored.map(i16::to_be_bytes).ok_or_else(|| {
                 Error::invalid(

@@ -1,7 +1,8 @@
 //! PNG pictures as numbers: grey levels for heights and masks, colours for textures.
 //!
-//! The filter of each row is `Up` and packing is the `png` crate's fast mode: measured on 16-bit terrain it is
-//! the quickest pair that still packs, and PNG of terrain is an exchange format, not an archive.
+//! The filter of each row is `Up` and packing is the `png` crate's fast mode: PNG of terrain is an exchange
+//! format, not an archive, and a fixed filter spares trying all five on every row. docs/performance.md has the
+//! speed of this pair; no other has been measured.
 
 use std::io::{Cursor, Write};
 
@@ -90,6 +91,12 @@ impl Picture {
             let transparent = matches!(self.channels, 2 | 4) && channel(self.channels - 1) == 0.0;
             (!transparent).then_some(grey)
         })
+    }
+
+    /// A row of the commonest kind of height map: 16-bit grey; `None` for other kinds.
+    pub(crate) fn grey16(&self, row: usize) -> Option<&[[u8; 2]]> {
+        let row = self.samples.get(row * self.row_len()..)?.get(..self.row_len())?;
+        (self.deep && self.channels == 1).then_some(row.as_chunks().0)
     }
 
     /// Colours of a row.

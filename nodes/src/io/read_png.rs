@@ -57,6 +57,13 @@ pub fn read(bytes: &[u8], name: &str, range: (f64, f64), cell: CellSize, job: &J
     let grid = Grid::new(picture.rows, picture.cols, cell)?;
     let (lowest, span) = (range.0, range.1 - range.0);
     Heightfield::build(grid, job, |row, out| {
+        if let Some(greys) = picture.grey16(row) {
+            let step = span / 65535.0;
+            for (out, &grey) in out.iter_mut().zip(greys) {
+                *out = (lowest + f64::from(u16::from_be_bytes(grey)) * step) as f32;
+            }
+            return Ok(());
+        }
         for (out, grey) in out.iter_mut().zip(picture.greys(row)) {
             *out = grey.map_or(f32::NAN, |grey| (lowest + grey * span) as f32);
         }

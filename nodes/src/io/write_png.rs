@@ -126,7 +126,13 @@ pub fn write(
     png::write(out, terrain.grid(), pixels, name, job, |row, bytes| {
         let heights = terrain.row(row).iter();
         match depth {
-            Depth::Sixteen => bytes.extend(heights.flat_map(|&height| level(height).to_be_bytes())),
+            Depth::Sixteen => {
+                let start = bytes.len();
+                bytes.resize(start + terrain.cols() * 2, 0);
+                for (out, &height) in bytes[start..].as_chunks_mut().0.iter_mut().zip(heights) {
+                    *out = level(height).to_be_bytes();
+                }
+            }
             Depth::Eight => bytes.extend(heights.map(|&height| level(height).min(255) as u8)),
         }
         Ok(())

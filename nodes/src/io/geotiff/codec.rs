@@ -4,6 +4,7 @@ use std::cell::RefCell;
 
 use flate2::{Compress, Decompress, FlushCompress, FlushDecompress, Status};
 use weezl::{BitOrder, decode, encode};
+use zune_inflate::{DeflateDecoder, DeflateOptions};
 
 /// How a strip or tile is packed, by its number in the file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,7 +64,20 @@ impl Packing {
     }
 }
 
+/// The quicker of two decoders, and for what it refuses the more tolerant one: some writers leave out the
+/// checksum, or pack more than the image needs.
 fn inflate(packed: &[u8], out: &mut [u8]) -> bool {
+    let options = DeflateOptions::default().set_size_hint(out.len()).set_limit(out.len());
+    match DeflateDecoder::new_with_options(packed, options).decode_zlib() {
+        Ok(bytes) if bytes.len() == out.len() => {
+            out.copy_from_slice(&bytes);
+            true
+        }
+        _ => inflate_tolerantly(packed, out),
+    }
+}
+
+fn inflate_tolerantly(packed: &[u8], out: &mut [u8]) -> bool {
     thread_local! {
         static INFLATE: RefCell<Decompress> = RefCell::new(Decompress::new(true));
     }

@@ -147,6 +147,9 @@ impl Row {
 
     /// Undoes predictor 3: sums bytes, then gathers each number from its planes, most significant first.
     fn sorted(&self, bytes: &mut [u8], out: &mut [f32]) {
+        if let (Encoding::F32, 1, None) = (self.encoding, self.bands, self.scale) {
+            return self.sorted_singles(bytes, out);
+        }
         for i in self.bands..bytes.len() {
             bytes[i] = bytes[i].wrapping_add(bytes[i - self.bands]);
         }
@@ -155,17 +158,6 @@ impl Row {
             return;
         }
         let bands = self.bands;
-        if let (Encoding::F32, 1, None) = (self.encoding, bands, self.scale) {
-            let (a, rest) = bytes.split_at(plane);
-            let (b, rest) = rest.split_at(plane);
-            let (c, d) = rest.split_at(plane);
-            let nodata = self.nodata.map_or(f32::NAN, |nodata| nodata as f32);
-            for ((((out, &a), &b), &c), &d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
-                let height = f32::from_be_bytes([a, b, c, d]);
-                *out = if height == nodata { f32::NAN } else { height };
-            }
-            return;
-        }
         for (i, out) in out.iter_mut().enumerate() {
             let bits = (0..self.encoding.size())
                 .fold(0u64, |bits, byte| bits << 8 | u64::from(bytes[byte * plane + i * bands]));
@@ -173,6 +165,28 @@ impl Row {
                 Encoding::F64 => f64::from_bits(bits),
                 _ => f64::from(f32::from_bits(bits as u32)),
             });
+        }
+    }
+
+    /// [`sorted`](Self::sorted) for the commonest case. The sums run through all four planes; each plane is
+    /// begun where the whole of those before it ends, so that one walk sums and gathers all four.
+    fn sorted_singles(&self, bytes: &[u8], out: &mut [f32]) {
+        let plane = bytes.len() / 4;
+        let (a, rest) = bytes.split_at(plane);
+        let (b, rest) = rest.split_at(plane);
+        let (c, d) = rest.split_at(plane);
+        let total = |plane: &[u8]| plane.iter().fold(0u8, |sum, &byte| sum.wrapping_add(byte));
+        let mut sums = [0, total(a), 0, 0];
+        sums[2] = sums[1].wrapping_add(total(b));
+        sums[3] = sums[2].wrapping_add(total(c));
+        // Never equal to a height when there is no such value.
+        let nodata = self.nodata.map_or(f32::NAN, |nodata| nodata as f32);
+        for ((((out, &a), &b), &c), &d) in out.iter_mut().zip(a).zip(b).zip(c).zip(d) {
+            for (sum, step) in sums.iter_mut().zip([a, b, c, d]) {
+                *sum = sum.wrapping_add(step);
+            }
+            let height = f32::from_be_bytes(sums);
+            *out = if height == nodata { f32::NAN } else { height };
         }
     }
 
@@ -196,8 +210,10 @@ impl Row {
 /// Appends the samples of a row as differences of 16-bit integers (predictor 2).
 pub(super) fn differences(samples: &[u16], out: &mut Vec<u8>) {
     let mut before = 0u16;
-    for &sample in samples {
-        out.extend_from_slice(&sample.wrapping_sub(before).to_le_bytes());
+    let start = out.len();
+    out.resize(start + samples.len() * 2, 0);
+    for (out, &sample) in out[start..].as_chunks_mut().0.iter_mut().zip(samples) {
+        *out = sample.wrapping_sub(before).to_le_bytes();
         before = sample;
     }
 }
