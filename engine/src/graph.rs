@@ -360,15 +360,15 @@ impl GraphBuilder {
         let port = find(&target.name, "input", &spec.inputs, input)?;
         let (value_type, arity) = (spec.inputs[port].value_type, spec.inputs[port].arity);
         let from = &self.nodes[source.node.index()];
-        if let Some(given) = from.spec().and_then(|spec| spec.outputs.get(source.output as usize)) {
-            if given.value_type != value_type {
-                return Err(GraphError::TypeMismatch {
-                    from: format!("{}.{}", from.name, given.name),
-                    from_type: given.value_type,
-                    to: format!("{}.{input}", target.name),
-                    to_type: value_type,
-                });
-            }
+        if let Some(given) = from.spec().and_then(|spec| spec.outputs.get(source.output as usize))
+            && given.value_type != value_type
+        {
+            return Err(GraphError::TypeMismatch {
+                from: format!("{}.{}", from.name, given.name),
+                from_type: given.value_type,
+                to: format!("{}.{input}", target.name),
+                to_type: value_type,
+            });
         }
         let wires = &self.nodes[to.index()].inputs[port];
         if arity != Arity::Many && !wires.is_empty() {
