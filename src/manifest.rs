@@ -142,7 +142,9 @@ pub(crate) fn cell_text(cells: &Cells, row: usize) -> String {
             Some(x) if x.is_nan() => "-".into(),
             Some(x) if *x == x.trunc() && x.abs() < 1e15 => format!("{x}"),
             Some(x) => {
-                let digits = (5.0 - x.abs().log10().floor()).clamp(0.0, 12.0) as usize;
+                let scientific = format!("{x:e}");
+                let exponent = scientific.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok());
+                let digits = (5 - exponent.unwrap_or(0_i32)).clamp(0, 12) as usize;
                 let text = format!("{x:.digits$}");
                 if text.contains('.') {
                     text.trim_end_matches('0').trim_end_matches('.').to_owned()
