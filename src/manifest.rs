@@ -142,8 +142,8 @@ pub(crate) fn cell_text(cells: &Cells, row: usize) -> String {
             Some(x) if x.is_nan() => "-".into(),
             Some(x) if *x == x.trunc() && x.abs() < 1e15 => format!("{x}"),
             Some(x) => {
-                let exponent =
-                    format!("{x:e}").rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok());
+                let scientific = format!("{x:e}");
+                let exponent = scientific.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok());
                 let digits = (5 - exponent.unwrap_or(0_i32)).clamp(0, 12) as usize;
                 let text = format!("{x:.digits$}");
                 if text.contains('.') {

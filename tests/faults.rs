@@ -305,7 +305,7 @@ fn a_hundred_deaths_leave_no_torn_file_and_no_poisoned_cache() {
         // Numerical Recipes' generator: any spread of moments will do.
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         let mut child = place.command("run g.ron --jobs 2").spawn().unwrap();
-        thread::sleep(Duration::from_millis((state >> 33) % 120));
+        thread::sleep(Duration::from_millis((state >> 33) % 45));
         child.kill().unwrap();
         child.wait().unwrap();
         for (name, bytes) in place.files("out") {
