@@ -1,6 +1,6 @@
 //! Rasters: the grids of heights, shares and colours that travel along wires.
 
-use bytemuck::Pod;
+use bytemuck::{Pod, allocation::try_zeroed_vec};
 use rayon::prelude::*;
 
 use crate::{Error, Grid, Job, Result, ValueType};
@@ -77,7 +77,8 @@ impl<K: Kind> Raster<K> {
     /// [`Error::TooLarge`] when `job` does not admit the memory.
     pub fn filled(grid: Grid, value: K::Cell, job: &Job) -> Result<Self> {
         let mut cells = Vec::new();
-        Self::reserve(&mut cells, &grid, job)?;
+        Self::admit(&grid, job)?;
+        cells.try_reserve_exact(grid.len()).map_err(|_| Self::too_large(&grid))?;
         cells.resize(grid.len(), value);
         Ok(Self { grid, cells })
     }
@@ -92,13 +93,18 @@ impl<K: Kind> Raster<K> {
         job: &Job,
         fill: impl Fn(usize, &mut [K::Cell]) -> Result<()> + Sync,
     ) -> Result<Self> {
-        let mut raster = Self::filled(grid, K::BLANK, job)?;
+        Self::admit(&grid, job)?;
+        // Untouched zeros cost nothing: each page comes, in parallel, when its row is blanked and filled, which
+        // spares a walk over the whole memory before.
+        let cells = try_zeroed_vec(grid.len()).map_err(|()| Self::too_large(&grid))?;
+        let mut raster = Self { grid, cells };
         let (rows, cols) = raster.grid.size();
         if !raster.grid.is_empty() {
             let done = job.stage(rows as u64);
             raster.cells.par_chunks_mut(cols).with_min_len(min_rows(cols)).enumerate().try_for_each(
                 |(row, cells)| {
                     job.check()?;
+                    cells.fill(K::BLANK);
                     fill(row, cells)?;
                     done.advance(1);
                     Ok(())
@@ -121,11 +127,22 @@ impl<K: Kind> Raster<K> {
         })
     }
 
-    fn reserve(cells: &mut Vec<K::Cell>, grid: &Grid, job: &Job) -> Result<()> {
-        let bytes = (grid.len() as u64).saturating_mul(size_of::<K::Cell>() as u64);
-        let what = || format!("a {} of {} × {} cells", K::TYPE, grid.rows, grid.cols);
-        job.admit(bytes, what)?;
-        cells.try_reserve_exact(grid.len()).map_err(|_| Error::TooLarge { what: what(), bytes, limit: bytes })
+    fn bytes(grid: &Grid) -> u64 {
+        (grid.len() as u64).saturating_mul(size_of::<K::Cell>() as u64)
+    }
+
+    fn name(grid: &Grid) -> String {
+        format!("a {} of {} × {} cells", K::TYPE, grid.rows, grid.cols)
+    }
+
+    fn admit(grid: &Grid, job: &Job) -> Result<()> {
+        job.admit(Self::bytes(grid), || Self::name(grid))
+    }
+
+    /// What to say when the machine has not the memory that the job admits.
+    fn too_large(grid: &Grid) -> Error {
+        let bytes = Self::bytes(grid);
+        Error::TooLarge { what: Self::name(grid), bytes, limit: bytes }
     }
 
     /// The part of `rows` × `cols` cells that starts at (`row`, `col`), with its place in the world kept.
