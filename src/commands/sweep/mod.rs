@@ -99,6 +99,7 @@ fn merge(
             ));
         }
         let outputs = names.iter().map(|name| compiled.output(name)).collect::<Result<Vec<_>, _>>()?;
+        session::refuse_missing(&compiled, outputs.iter().map(|output| output.node), |_| false)?;
         let types: Vec<_> = outputs.iter().map(|output| compiled.graph.value_type(*output)).collect();
         let prefix = label(combination);
         let first = builder.absorb(compiled.graph, &prefix).map_err(wrong)?;
