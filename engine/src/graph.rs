@@ -102,7 +102,7 @@ impl GraphNode {
     /// Where the file that `text` among the settings names lies, with variables of the environment filled in.
     ///
     /// # Errors
-    /// As [`expand_path`](crate::expand_path).
+    /// As [`expand_path`].
     pub fn input_path(&self, text: &str) -> Result<PathBuf, Error> {
         expand_path(text, self.base_dir(text), &|name| std::env::var(name).ok())
             .map_err(|error| Error::invalid(error.to_string(), error.hint()))

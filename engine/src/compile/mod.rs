@@ -2,7 +2,7 @@
 //!
 //! Everything that is wrong is told at once, each with its place. Two things are no errors here, because a
 //! graph may never need them: a node of an unknown type, and an input that only an outer graph can supply.
-//! Both become [`Missing`](crate::graph::Missing) nodes, which are refused when an output needs them.
+//! Both become [`Missing`] nodes, which are refused when an output needs them.
 
 mod path;
 mod scope;
