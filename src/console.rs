@@ -2,7 +2,8 @@
 
 use std::io::{self, Write};
 
-use orograph_engine::{DocumentError, DocumentErrors};
+use orograph_core::Error;
+use orograph_engine::{DocumentError, DocumentErrors, Report};
 
 /// Writes a result. A reader that went away, as `head` does, is no error.
 pub(crate) fn result(text: &str) {
@@ -61,6 +62,14 @@ fn marked_line(error: &DocumentError) -> Option<String> {
         " ".repeat(start),
         "^".repeat(width)
     ))
+}
+
+/// Tells which nodes failed by themselves, why, and what would mend it. A cancelled node did not fail.
+pub(crate) fn failures(report: &Report) {
+    for (node, why) in report.failures().filter(|(_, why)| **why != Error::Cancelled) {
+        error(&format!("node `{}` ({}): {why}", node.name, node.id));
+        hint(&why.hint().unwrap_or_default());
+    }
 }
 
 /// Columns set flush, the first row being their heads.

@@ -191,13 +191,7 @@ fn tell_report(report: &Report, options: &RunOptions) {
             console::note(&format!("{}: {warning}", node.name));
         }
     }
-    for (node, error) in report.failures() {
-        if *error == orograph_core::Error::Cancelled {
-            continue;
-        }
-        console::error(&format!("node `{}` ({}): {error}", node.name, node.id));
-        console::hint(&error.hint().unwrap_or_default());
-    }
+    console::failures(report);
     if options.explain {
         let rows: Vec<_> = report
             .nodes

@@ -228,10 +228,7 @@ fn numbers_where_possible(texts: Vec<String>) -> Cells {
 }
 
 fn tell_failures(report: &Report) -> Result<(), Failure> {
-    for (node, error) in report.failures() {
-        console::error(&format!("node `{}` ({}): {error}", node.name, node.id));
-        console::hint(&error.hint().unwrap_or_default());
-    }
+    console::failures(report);
     if report.counts().failed > 0 { Err(Failure::Node) } else { Ok(()) }
 }
 
