@@ -61,6 +61,10 @@ pub struct Features {
     pub points: Vec<FeaturePoint>,
     /// The lines between them.
     pub lines: Vec<Polyline>,
+    /// Pairs of end points that face each other where a closed ring was opened to make the network a forest.
+    pub rings: Vec<[u32; 2]>,
+    /// Side, in cells of the grid, of the working cells that the lines were found on.
+    pub scale: f64,
     /// Samples in each profile.
     pub profile_len: u32,
     /// Distance in cells between samples of a profile.

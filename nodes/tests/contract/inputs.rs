@@ -5,8 +5,8 @@ use std::sync::Arc;
 use glam::DVec2;
 use orograph_core::Cells as Entries;
 use orograph_core::{
-    Arity, CellSize, Column, Digest, FeatureKind, Features, Georef, Grid, Heightfield, Mask, Mesh, NodeSpec,
-    Placement, Points, Slot, Table, Texture, Unit, Value, ValueType,
+    Arity, CellSize, Column, Digest, FeatureKind, FeaturePoint, Features, Georef, Grid, Heightfield, Mask,
+    Mesh, NodeSpec, Placement, PointKind, Points, Polyline, Slot, Table, Texture, Unit, Value, ValueType,
 };
 
 /// What the terrain under all inputs looks like.
@@ -57,14 +57,7 @@ pub(crate) fn value(of: ValueType, terrain: &Heightfield) -> Value {
             let cells = (0..n).map(|i| [i as u8, (i / 3) as u8, 99, 255]).collect();
             Value::Texture(Arc::new(Texture::new(grid, cells).unwrap()))
         }
-        ValueType::Features => Value::Features(Arc::new(Features {
-            grid,
-            kind: FeatureKind::Ridge,
-            points: Vec::new(),
-            lines: Vec::new(),
-            profile_len: 0,
-            profile_step: 1.0,
-        })),
+        ValueType::Features => Value::Features(Arc::new(star(grid))),
         ValueType::Points => {
             let at: Vec<DVec2> =
                 (0..n).step_by(17).map(|i| grid.position(i / grid.cols, i % grid.cols)).collect();
@@ -135,4 +128,33 @@ pub(crate) fn crop(value: &Value, [row, col, rows, cols]: [usize; 4]) -> Value {
 /// Digests of all values, bit for bit.
 pub(crate) fn digests(values: &[Value]) -> Vec<Digest> {
     values.iter().map(Value::digest).collect()
+}
+
+/// Three ridges from the grid's middle to its corners; none on a grid too small for them.
+fn star(grid: Grid) -> Features {
+    let (row, col) = (grid.rows as f64 - 1.0, grid.cols as f64 - 1.0);
+    let places = [[row / 2.0, col / 2.0], [0.0, 0.0], [0.0, col], [row, col / 2.0]];
+    let point = |(i, [row, col]): (usize, [f64; 2])| FeaturePoint {
+        row,
+        col,
+        height: 900.0 - i as f32,
+        kind: if i == 0 { PointKind::Branch } else { PointKind::End },
+    };
+    let line = |to: u32| Polyline {
+        from: 0,
+        to,
+        vertices: vec![places[0], places[to as usize]],
+        profiles: Vec::new(),
+    };
+    let fits = grid.rows > 2 && grid.cols > 2;
+    Features {
+        grid,
+        kind: FeatureKind::Ridge,
+        points: if fits { places.into_iter().enumerate().map(point).collect() } else { Vec::new() },
+        lines: if fits { (1..4).map(line).collect() } else { Vec::new() },
+        rings: Vec::new(),
+        scale: 1.0,
+        profile_len: 0,
+        profile_step: 1.0,
+    }
 }
