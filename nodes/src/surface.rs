@@ -7,6 +7,10 @@
 
 use glam::DVec2;
 use orograph_core::Heightfield;
+use pulp::{Arch, NullaryFnOnce};
+
+/// Cells of a row worked out together; few enough for the nearest cache.
+pub(crate) const STRETCH: usize = 256;
 
 /// Heights of the 3 × 3 cells around a cell, row by row from the north-west; `None` where the cell is a void.
 ///
@@ -66,35 +70,81 @@ fn continue_plane(window: &mut [f64; 9]) {
 #[must_use]
 pub fn gradient(terrain: &Heightfield, row: usize, col: usize) -> Option<DVec2> {
     let cell = terrain.grid().cell;
-    let per_metre = |rise: DVec2| DVec2::new(rise.x / (8.0 * cell.x), rise.y / (8.0 * cell.y));
-    // Nearly every cell has all its neighbours; a missing one shows in the sums, since f32 heights cannot
-    // overflow them.
-    if let Some(window) = inner_window(terrain, row, col) {
-        let rise = differences(&window);
-        if (rise.x + rise.y + window[4]).is_finite() {
-            return Some(per_metre(rise));
+    window(terrain, row, col).map(|window| {
+        let [east, north] = differences(window);
+        DVec2::new(east / (8.0 * cell.x), north / (8.0 * cell.y))
+    })
+}
+
+/// The gradients of a whole row, a stretch at a time: `take` gets the first column of the stretch and, for each of
+/// its cells, the rise per metre towards the east and towards the north, NaN where the cell is a void.
+pub fn gradients(terrain: &Heightfield, row: usize, mut take: impl FnMut(usize, &[f64], &[f64])) {
+    let (rows, cols) = terrain.grid().size();
+    let arch = Arch::new();
+    let (mut east, mut north) = ([f64::NAN; STRETCH], [f64::NAN; STRETCH]);
+    for start in (0..cols).step_by(STRETCH) {
+        let n = STRETCH.min(cols - start);
+        let (east, north) = (&mut east[..n], &mut north[..n]);
+        east.fill(f64::NAN);
+        // Nearly every cell has all its neighbours: those go the short way, in wide registers.
+        let inner = start.max(1)..(start + n).min(cols.saturating_sub(1));
+        if (1..rows.saturating_sub(1)).contains(&row) && !inner.is_empty() {
+            let around = inner.start - 1..inner.end + 1;
+            let at = inner.start - start..inner.end - start;
+            arch.dispatch(Inner {
+                lines: [row - 1, row, row + 1].map(|row| &terrain.row(row)[around.clone()]),
+                eight_cells: [8.0 * terrain.grid().cell.x, 8.0 * terrain.grid().cell.y],
+                east: &mut east[at.clone()],
+                north: &mut north[at],
+            });
+        }
+        for (i, (east, north)) in east.iter_mut().zip(north.iter_mut()).enumerate() {
+            if east.is_nan() {
+                (*east, *north) = match gradient(terrain, row, start + i) {
+                    Some(gradient) => gradient.into(),
+                    None => (f64::NAN, f64::NAN),
+                };
+            }
+        }
+        take(start, east, north);
+    }
+}
+
+/// Cells that have neighbours all around, and what is to be known of them.
+struct Inner<'a> {
+    /// Three rows, one cell longer on either side than the rows below.
+    lines: [&'a [f32]; 3],
+    eight_cells: [f64; 2],
+    east: &'a mut [f64],
+    north: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Inner<'_> {
+    type Output = ();
+
+    /// Leaves NaN towards the east where a height is missing.
+    #[inline(always)]
+    fn call(self) {
+        let [above, at, below] = self.lines.map(|line| line.windows(3));
+        let lines = above.zip(at).zip(below);
+        for ((east, north), ((above, at), below)) in self.east.iter_mut().zip(self.north).zip(lines) {
+            let window = [above[0], above[1], above[2], at[0], at[1], at[2], below[0], below[1], below[2]];
+            let window = window.map(f64::from);
+            let rise = differences(window);
+            // A missing height shows in the sums, since f32 heights cannot overflow them.
+            let whole = (rise[0] + rise[1] + window[4]).is_finite();
+            *east = if whole { rise[0] / self.eight_cells[0] } else { f64::NAN };
+            *north = rise[1] / self.eight_cells[1];
         }
     }
-    window(terrain, row, col).map(|window| per_metre(differences(&window)))
 }
 
 /// Horn's weighted differences, east less west and north less south: eight cells' rise.
-fn differences(&[nw, n, ne, w, _, e, sw, s, se]: &[f64; 9]) -> DVec2 {
+#[inline(always)]
+fn differences([nw, n, ne, w, _, e, sw, s, se]: [f64; 9]) -> [f64; 2] {
     let east = (ne + 2.0 * e + se) - (nw + 2.0 * w + sw);
     let north = (nw + 2.0 * n + ne) - (sw + 2.0 * s + se);
-    DVec2::new(east, north)
-}
-
-/// The heights around a cell as they are; `None` on the border.
-fn inner_window(terrain: &Heightfield, row: usize, col: usize) -> Option<[f64; 9]> {
-    let (rows, cols) = terrain.grid().size();
-    if row == 0 || col == 0 || row + 1 >= rows || col + 1 >= cols {
-        return None;
-    }
-    let start = (row - 1) * cols + col - 1;
-    let line = |start: usize| terrain.cells().get(start..).and_then(|cells| cells.first_chunk::<3>());
-    let ([a, b, c], [d, e, f], [g, h, i]) = (line(start)?, line(start + cols)?, line(start + 2 * cols)?);
-    Some([*a, *b, *c, *d, *e, *f, *g, *h, *i].map(f64::from))
+    [east, north]
 }
 
 /// Steepness of a gradient, in degrees from the level: 0 to 90.
@@ -147,17 +197,25 @@ mod tests {
     #[test]
     fn the_short_way_gives_the_bits_of_the_long_one() {
         let noise = |i: usize| orograph_core::gaussian(3, 4, i as i64, 0) as f32 * 100.0;
-        let grid = Grid::new(9, 11, CellSize { x: 30.0, y: 20.0 }).unwrap();
-        let mut cells: Vec<f32> = (0..99).map(noise).collect();
-        (cells[37], cells[60], cells[63]) = (f32::NAN, f32::INFINITY, f32::NEG_INFINITY);
+        let (rows, cols) = (5, 2 * STRETCH + 3);
+        let grid = Grid::new(rows, cols, CellSize { x: 30.0, y: 20.0 }).unwrap();
+        let mut cells: Vec<f32> = (0..rows * cols).map(noise).collect();
+        for (i, odd) in [(1337, f32::NAN), (1340, f32::INFINITY), (1900, f32::NEG_INFINITY), (0, f32::NAN)] {
+            cells[i] = odd;
+        }
         let terrain = Heightfield::new(grid, cells).unwrap();
-        for i in 0..99 {
-            let long = window(&terrain, i / 11, i % 11).map(|window| {
-                let rise = differences(&window);
-                DVec2::new(rise.x / 240.0, rise.y / 160.0)
+        for row in 0..rows {
+            let mut seen = 0;
+            gradients(&terrain, row, |start, east, north| {
+                assert_eq!(start, seen);
+                for (i, (&east, &north)) in east.iter().zip(north).enumerate() {
+                    let short = (!east.is_nan()).then_some(DVec2::new(east, north));
+                    assert_eq!(short, gradient(&terrain, row, start + i), "cell {row}, {}", start + i);
+                    assert!(short.is_none_or(DVec2::is_finite));
+                }
+                seen += east.len();
             });
-            assert_eq!(gradient(&terrain, i / 11, i % 11), long, "cell {i}");
-            assert!(long.is_none_or(DVec2::is_finite));
+            assert_eq!(seen, cols);
         }
     }
 

@@ -6,7 +6,6 @@
 
 use std::sync::Arc;
 
-use bytemuck::Pod;
 use serde::{Serialize, de::DeserializeOwned};
 
 use crate::{Digest, Grid, Kind, Raster, Value};
@@ -38,18 +37,7 @@ impl Encoded<'_> {
     /// The digest of head and payload.
     #[must_use]
     pub fn digest(&self) -> Digest {
-        const PARALLEL: usize = 1 << 18;
-        if self.payload.is_empty() {
-            return Digest::of(&self.head);
-        }
-        let mut hasher = blake3::Hasher::new();
-        hasher.update(&self.head);
-        if self.payload.len() >= PARALLEL {
-            hasher.update_rayon(self.payload);
-        } else {
-            hasher.update(self.payload);
-        }
-        Digest(*hasher.finalize().as_bytes())
+        Digest::of_parts(&self.head, self.payload)
     }
 
     /// Bytes in all.
@@ -178,16 +166,7 @@ fn plain<T: DeserializeOwned>(header: &[u8]) -> Result<T, CodecError> {
 
 fn decode_raster<K: Kind>(header: &[u8], payload: &[u8]) -> Result<Raster<K>, CodecError> {
     let grid: Grid = plain(header)?;
-    let wanted = grid.rows.checked_mul(grid.cols).and_then(|cells| cells.checked_mul(size_of::<K::Cell>()));
-    if wanted != Some(payload.len()) {
-        return Err(CodecError::Length);
-    }
-    Raster::new(grid, cells_of(payload)).map_err(|_| CodecError::Length)
-}
-
-/// The cells in `bytes`, which need not be aligned.
-fn cells_of<T: Pod>(bytes: &[u8]) -> Vec<T> {
-    bytemuck::allocation::pod_collect_to_vec(bytes)
+    Raster::of_bytes(grid, payload).ok_or(CodecError::Length)
 }
 
 #[cfg(test)]

@@ -18,11 +18,21 @@ impl Digest {
     /// The digest of some bytes, with the help of the current thread pool where there are many.
     #[must_use]
     pub fn of_large(bytes: &[u8]) -> Self {
+        Self::of_parts(&[], bytes)
+    }
+
+    /// The digest of `head` and `payload`, one after the other.
+    pub(crate) fn of_parts(head: &[u8], payload: &[u8]) -> Self {
+        /// Below this, handing out the work costs more than it saves.
         const PARALLEL: usize = 1 << 18;
-        if bytes.len() < PARALLEL {
-            return Self::of(bytes);
+        let mut hasher = blake3::Hasher::new();
+        hasher.update(head);
+        if payload.len() >= PARALLEL {
+            hasher.update_rayon(payload);
+        } else {
+            hasher.update(payload);
         }
-        Self(*blake3::Hasher::new().update_rayon(bytes).finalize().as_bytes())
+        Self(*hasher.finalize().as_bytes())
     }
 
     /// The digest written as [`Display`](fmt::Display) writes it.

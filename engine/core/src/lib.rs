@@ -10,6 +10,7 @@ compile_error!("digests and stored values are defined on little-endian memory");
 // Lets the derives' absolute paths (`::orograph_core::…`) resolve inside this crate's own tests too.
 extern crate self as orograph_core;
 
+mod buffer;
 mod codec;
 mod digest;
 mod error;
@@ -22,6 +23,7 @@ mod node_type;
 mod param;
 mod placement;
 mod points;
+mod pointwise;
 mod port;
 mod random;
 mod raster;

@@ -1,9 +1,9 @@
 //! Rasters: the grids of heights, shares and colours that travel along wires.
 
-use bytemuck::{Pod, allocation::try_zeroed_vec};
+use bytemuck::Pod;
 use rayon::prelude::*;
 
-use crate::{Error, Grid, Job, Result, ValueType};
+use crate::{Error, Grid, Job, Result, ValueType, buffer::Buffer};
 
 /// What the cells of a [`Raster`] mean.
 pub trait Kind: Copy + Send + Sync + std::fmt::Debug + 'static {
@@ -53,7 +53,7 @@ pub type Texture = Raster<Rgba>;
 #[derive(Clone, Debug)]
 pub struct Raster<K: Kind> {
     grid: Grid,
-    cells: Vec<K::Cell>,
+    cells: Buffer<K::Cell>,
 }
 
 impl<K: Kind> Raster<K> {
@@ -68,7 +68,7 @@ impl<K: Kind> Raster<K> {
                 "give one value for each cell, row by row",
             ));
         }
-        Ok(Self { grid, cells })
+        Ok(Self { grid, cells: cells.into() })
     }
 
     /// A raster with the same value everywhere.
@@ -76,11 +76,9 @@ impl<K: Kind> Raster<K> {
     /// # Errors
     /// [`Error::TooLarge`] when `job` does not admit the memory.
     pub fn filled(grid: Grid, value: K::Cell, job: &Job) -> Result<Self> {
-        let mut cells = Vec::new();
-        Self::admit(&grid, job)?;
-        cells.try_reserve_exact(grid.len()).map_err(|_| Self::too_large(&grid))?;
-        cells.resize(grid.len(), value);
-        Ok(Self { grid, cells })
+        let mut raster = Self::zeroed(grid, job)?;
+        raster.cells.par_chunks_mut(1 << 16).for_each(|cells| cells.fill(value));
+        Ok(raster)
     }
 
     /// Builds a raster row by row, in parallel: `fill` writes row `row` into the slice, which holds
@@ -93,18 +91,36 @@ impl<K: Kind> Raster<K> {
         job: &Job,
         fill: impl Fn(usize, &mut [K::Cell]) -> Result<()> + Sync,
     ) -> Result<Self> {
-        Self::admit(&grid, job)?;
-        // Untouched zeros cost nothing: each page comes, in parallel, when its row is blanked and filled, which
-        // spares a walk over the whole memory before.
-        let cells = try_zeroed_vec(grid.len()).map_err(|()| Self::too_large(&grid))?;
-        let mut raster = Self { grid, cells };
+        Self::build_rows(grid, job, |row, cells| {
+            cells.fill(K::BLANK);
+            fill(row, cells)
+        })
+    }
+
+    /// [`build`](Self::build) for a `fill` that writes every cell of its row and cannot fail.
+    pub(crate) fn build_over(
+        grid: Grid,
+        job: &Job,
+        fill: impl Fn(usize, &mut [K::Cell]) + Sync,
+    ) -> Result<Self> {
+        Self::build_rows(grid, job, |row, cells| {
+            fill(row, cells);
+            Ok(())
+        })
+    }
+
+    fn build_rows(
+        grid: Grid,
+        job: &Job,
+        fill: impl Fn(usize, &mut [K::Cell]) -> Result<()> + Sync,
+    ) -> Result<Self> {
+        let mut raster = Self::zeroed(grid, job)?;
         let (rows, cols) = raster.grid.size();
         if !raster.grid.is_empty() {
             let done = job.stage(rows as u64);
             raster.cells.par_chunks_mut(cols).with_min_len(min_rows(cols)).enumerate().try_for_each(
                 |(row, cells)| {
                     job.check()?;
-                    cells.fill(K::BLANK);
                     fill(row, cells)?;
                     done.advance(1);
                     Ok(())
@@ -114,17 +130,20 @@ impl<K: Kind> Raster<K> {
         Ok(raster)
     }
 
-    /// A raster of another kind (or the same) made cell by cell, in parallel.
-    ///
-    /// # Errors
-    /// As [`build`](Self::build).
-    pub fn map<T: Kind>(&self, job: &Job, f: impl Fn(K::Cell) -> T::Cell + Sync) -> Result<Raster<T>> {
-        Raster::<T>::build(self.grid.clone(), job, |row, out| {
-            for (out, &cell) in out.iter_mut().zip(self.row(row)) {
-                *out = f(cell);
-            }
-            Ok(())
-        })
+    /// Untouched zeros cost nothing: each page comes, in parallel, when its row is filled, which spares a walk
+    /// over the whole memory before.
+    fn zeroed(grid: Grid, job: &Job) -> Result<Self> {
+        Self::admit(&grid, job)?;
+        let cells = Buffer::zeroed(grid.len()).ok_or_else(|| Self::too_large(&grid))?;
+        Ok(Self { grid, cells })
+    }
+
+    /// A raster of the cells that `bytes` hold; `None` where they are not as many, or the memory is lacking.
+    pub(crate) fn of_bytes(grid: Grid, bytes: &[u8]) -> Option<Self> {
+        // The grid may come from anywhere: its size may not even be a number.
+        let wanted = grid.rows.checked_mul(grid.cols)?.checked_mul(size_of::<K::Cell>())?;
+        (wanted == bytes.len()).then_some(())?;
+        Some(Self { grid, cells: Buffer::of_bytes(bytes)? })
     }
 
     fn bytes(grid: &Grid) -> u64 {
@@ -199,7 +218,7 @@ impl<K: Kind> Raster<K> {
     /// The cells alone.
     #[must_use]
     pub fn into_cells(self) -> Vec<K::Cell> {
-        self.cells
+        self.cells.into_vec()
     }
 
     /// One row of cells.

@@ -56,10 +56,12 @@ impl Node for Remap {
         self.check()?;
         let scale = (self.to_high - self.to_low) / (self.from_high - self.from_low);
         let (low, high) = (self.to_low.min(self.to_high), self.to_low.max(self.to_high));
-        let terrain = inputs.terrain.map(job, |height| {
-            let height = self.to_low + (f64::from(height) - self.from_low) * scale;
-            (if self.clamp { height.clamp(low, high) } else { height }) as f32
-        })?;
+        let (from, to) = (self.from_low, self.to_low);
+        let moved = |height: f32| to + (f64::from(height) - from) * scale;
+        let terrain = match self.clamp {
+            true => inputs.terrain.map(job, |height| moved(height).clamp(low, high) as f32),
+            false => inputs.terrain.map(job, |height| moved(height) as f32),
+        }?;
         Ok(RemapOut { terrain })
     }
 }

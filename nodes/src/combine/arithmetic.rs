@@ -58,47 +58,39 @@ impl Node for Arithmetic {
     type Outputs = ArithmeticOut;
 
     fn run(&self, inputs: ArithmeticIn<'_>, job: &Job) -> Result<ArithmeticOut> {
-        let (a, value) = (inputs.a, self.value as f32);
-        let Some(b) = inputs.b else {
-            return Ok(ArithmeticOut { terrain: a.map(job, |height| self.operation.of(height, value))? });
-        };
-        a.grid().match_size("a", b.grid(), "b")?;
-        let terrain = Heightfield::build(a.grid().clone(), job, |row, out| {
-            for ((out, &a), &b) in out.iter_mut().zip(a.row(row)).zip(b.row(row)) {
-                *out = self.operation.of(a, b);
-            }
-            Ok(())
-        })?;
+        let with = Operands { inputs, value: self.value as f32, job };
+        // One loop an operation: a choice within the loop would keep it out of the wide registers.
+        let terrain = match self.operation {
+            Operation::Add => with.each(|a, b| a + b),
+            Operation::Subtract => with.each(|a, b| a - b),
+            Operation::Multiply => with.each(|a, b| a * b),
+            Operation::Divide => with.each(|a, b| a / b),
+            // `min` and `max` would pass over a void.
+            Operation::Minimum => with.each(|a, b| if a.is_nan() || a < b { a } else { b }),
+            Operation::Maximum => with.each(|a, b| if a.is_nan() || a > b { a } else { b }),
+            Operation::Difference => with.each(|a, b| (a - b).abs()),
+        }?;
         Ok(ArithmeticOut { terrain })
     }
 }
 
-impl Operation {
-    /// The operation on two heights; a void when either is one or the result is not finite.
-    fn of(self, a: f32, b: f32) -> f32 {
-        let result = match self {
-            Self::Add => a + b,
-            Self::Subtract => a - b,
-            Self::Multiply => a * b,
-            Self::Divide => a / b,
-            // `min` and `max` would pass over a void.
-            Self::Minimum => {
-                if a.is_nan() || a < b {
-                    a
-                } else {
-                    b
-                }
-            }
-            Self::Maximum => {
-                if a.is_nan() || a > b {
-                    a
-                } else {
-                    b
-                }
-            }
-            Self::Difference => (a - b).abs(),
+struct Operands<'a> {
+    inputs: ArithmeticIn<'a>,
+    value: f32,
+    job: &'a Job<'a>,
+}
+
+impl Operands<'_> {
+    /// The operation on every cell; a void where either height is one or the result is not finite.
+    fn each(&self, of: impl Fn(f32, f32) -> f32 + Sync) -> Result<Heightfield> {
+        let finite = |a, b| {
+            let result = of(a, b);
+            if result.is_finite() { result } else { f32::NAN }
         };
-        if result.is_finite() { result } else { f32::NAN }
+        match self.inputs.b {
+            Some(b) => self.inputs.a.map_with(b, self.job, finite),
+            None => self.inputs.a.map(self.job, |a| finite(a, self.value)),
+        }
     }
 }
 
@@ -132,10 +124,16 @@ mod tests {
 
     #[test]
     fn voids_on_either_side_stay_voids_and_nothing_becomes_infinite() {
-        for option in [Operation::Add, Operation::Minimum, Operation::Maximum, Operation::Divide] {
-            assert!(option.of(f32::NAN, 1.0).is_nan() && option.of(1.0, f32::NAN).is_nan());
+        let void = f32::NAN;
+        for operation in [Operation::Add, Operation::Minimum, Operation::Maximum, Operation::Divide] {
+            let node = Arithmetic { operation, value: 0.0 };
+            let (a, b) = (row(&[void, 1.0, void]), row(&[1.0, void, void]));
+            let out = node.run(ArithmeticIn { a: &a, b: Some(&b) }, &Job::detached()).unwrap();
+            assert!(out.terrain.cells().iter().all(|cell| cell.is_nan()), "{operation:?}");
         }
-        assert!(Operation::Divide.of(1.0, 0.0).is_nan());
+        let by_nought = Arithmetic { operation: Operation::Divide, value: 0.0 };
+        let out = by_nought.run(ArithmeticIn { a: &row(&[1.0]), b: None }, &Job::detached()).unwrap();
+        assert!(out.terrain.cells()[0].is_nan());
         let (a, b) = (row(&[1.0]), row(&[1.0, 2.0]));
         let run = Arithmetic::default().run(ArithmeticIn { a: &a, b: Some(&b) }, &Job::detached());
         assert!(matches!(run, Err(Error::DimensionMismatch { .. })));

@@ -41,38 +41,32 @@ impl Node for Blend {
     type Outputs = BlendOut;
 
     fn run(&self, inputs: BlendIn<'_>, job: &Job) -> Result<BlendOut> {
-        let (a, b) = (inputs.a, inputs.b);
-        a.grid().match_size("a", b.grid(), "b")?;
-        if let Some(mask) = inputs.mask {
-            a.grid().match_size("a", mask.grid(), "mask")?;
-        }
-        let share = self.share as f32;
-        let terrain = Heightfield::build(a.grid().clone(), job, |row, out| {
-            let mask = inputs.mask.map(|mask| mask.row(row));
-            for (col, ((out, &a), &b)) in out.iter_mut().zip(a.row(row)).zip(b.row(row)).enumerate() {
-                *out = self.mix(a, b, share * mask.map_or(1.0, |mask| mask[col].clamp(0.0, 1.0)));
+        let (a, b, share) = (inputs.a, inputs.b, self.share as f32);
+        // Which void to fill is settled before the loop, not in it.
+        let fill = |mixed: f32, a: f32, b: f32| match (mixed.is_nan(), a.is_nan()) {
+            (false, _) => mixed,
+            (true, true) => b,
+            (true, false) => a,
+        };
+        let terrain = match (inputs.mask, self.fill_voids) {
+            (None, false) => a.map_with(b, job, |a, b| mix(a, b, share)),
+            (None, true) => a.map_with(b, job, |a, b| fill(mix(a, b, share), a, b)),
+            (Some(mask), false) => {
+                a.map_with_mask(b, mask, job, |a, b, mask| mix(a, b, share * mask.clamp(0.0, 1.0)))
             }
-            Ok(())
-        })?;
+            (Some(mask), true) => a.map_with_mask(b, mask, job, |a, b, mask| {
+                fill(mix(a, b, share * mask.clamp(0.0, 1.0)), a, b)
+            }),
+        }?;
         Ok(BlendOut { terrain })
     }
 }
 
-impl Blend {
-    fn mix(&self, a: f32, b: f32, share: f32) -> f32 {
-        let mixed = if share >= 1.0 {
-            b
-        } else if share > 0.0 {
-            a + (b - a) * share
-        } else {
-            a
-        };
-        match mixed.is_nan() && self.fill_voids {
-            true if a.is_nan() => b,
-            true => a,
-            false => mixed,
-        }
-    }
+/// The second height by its share; one without a share does not count at all, void or not.
+fn mix(a: f32, b: f32, share: f32) -> f32 {
+    let mixed = a + (b - a) * share;
+    let mixed = if share >= 1.0 { b } else { mixed };
+    if share > 0.0 { mixed } else { a }
 }
 
 #[cfg(test)]

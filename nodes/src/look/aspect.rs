@@ -1,5 +1,6 @@
 //! Aspect map: the direction that slopes face as a circle of colours, from Horn's gradient (see [`surface`]).
 
+use glam::DVec2;
 use orograph_core::prelude::*;
 
 use super::colour::{self, Colour, blend};
@@ -70,9 +71,11 @@ impl Node for Aspect {
             blend(LEVEL, facing(aspect), surface::slope_degrees(gradient) / self.full)
         };
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
-            for (col, pixel) in out.iter_mut().enumerate() {
-                *pixel = surface::gradient(terrain, row, col).map_or(void, colour);
-            }
+            surface::gradients(terrain, row, |start, east, north| {
+                for ((pixel, &east), &north) in out[start..].iter_mut().zip(east).zip(north) {
+                    *pixel = if east.is_nan() { void } else { colour(DVec2::new(east, north)) };
+                }
+            });
             Ok(())
         })?;
         Ok(AspectOut { picture })

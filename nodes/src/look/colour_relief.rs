@@ -7,7 +7,6 @@ use super::{
     hillshade::{Light, Sun},
     legend::{Legend, with_legend},
 };
-use crate::surface;
 
 /// Colours terrain by height, with shaded relief.
 #[derive(Params, Clone, Debug)]
@@ -84,16 +83,16 @@ impl Node for ColourRelief {
         let per_metre = if high > low { 1.0 / (high - low) } else { 0.0 };
         let sun = Sun::new(315.0, 45.0, self.light);
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
-            for (col, pixel) in out.iter_mut().enumerate() {
-                let height = f64::from(terrain.at(row, col));
-                let flat = if height.is_nan() { void } else { self.palette.at((height - low) * per_metre) };
-                *pixel = match surface::gradient(terrain, row, col).filter(|_| self.shading > 0.0) {
-                    Some(gradient) => {
-                        let bright = sun.brightness(gradient * self.exaggeration);
-                        colour::shade(flat, sun.relative(bright, self.shading))
+            for (pixel, &height) in out.iter_mut().zip(terrain.row(row)) {
+                let height = f64::from(height);
+                *pixel = if height.is_nan() { void } else { self.palette.at((height - low) * per_metre) };
+            }
+            if self.shading > 0.0 {
+                sun.brightnesses(terrain, row, self.exaggeration, |start, bright| {
+                    for (pixel, &bright) in out[start..].iter_mut().zip(bright).filter(|(_, b)| !b.is_nan()) {
+                        *pixel = colour::shade(*pixel, sun.relative(bright, self.shading));
                     }
-                    None => flat,
-                };
+                });
             }
             Ok(())
         })?;

@@ -7,6 +7,7 @@
 
 use glam::DVec2;
 use orograph_core::prelude::*;
+use pulp::{Arch, NullaryFnOnce};
 
 use super::colour::{self, Colour};
 use crate::surface;
@@ -87,17 +88,22 @@ impl Node for Hillshade {
         let void = colour::parse("void_colour", &self.void_colour)?;
         let sun = Sun::new(self.azimuth, self.altitude, self.light);
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
-            for (col, pixel) in out.iter_mut().enumerate() {
-                let gradient = surface::gradient(terrain, row, col);
-                *pixel = match (gradient, onto.map(|onto| onto.at(row, col))) {
-                    (None, under) => under.unwrap_or(void),
-                    (Some(gradient), None) => grey(sun.brightness(gradient * self.exaggeration)),
-                    (Some(gradient), Some(under)) => {
-                        let bright = sun.brightness(gradient * self.exaggeration);
-                        colour::shade(under, sun.relative(bright, self.strength))
-                    }
-                };
+            if let Some(onto) = onto {
+                out.copy_from_slice(onto.row(row));
             }
+            sun.brightnesses(terrain, row, self.exaggeration, |start, bright| {
+                let pixels = out[start..].iter_mut().zip(bright);
+                if onto.is_none() {
+                    pixels.for_each(|(pixel, &bright)| {
+                        *pixel = if bright.is_nan() { void } else { grey(bright) }
+                    });
+                } else {
+                    let known = pixels.filter(|(_, bright)| !bright.is_nan());
+                    known.for_each(|(pixel, &bright)| {
+                        *pixel = colour::shade(*pixel, sun.relative(bright, self.strength));
+                    });
+                }
+            });
             Ok(())
         })?;
         Ok(HillshadeOut { picture })
@@ -107,6 +113,26 @@ impl Node for Hillshade {
 fn grey(share: f64) -> Colour {
     let level = colour::byte(share * 255.0);
     [level, level, level, 255]
+}
+
+/// A stretch of a row to be lit.
+struct Lit<'a> {
+    sun: &'a Sun,
+    exaggeration: f64,
+    east: &'a [f64],
+    north: &'a [f64],
+    bright: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Lit<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for ((bright, &east), &north) in self.bright.iter_mut().zip(self.east).zip(self.north) {
+            *bright = self.sun.brightness(DVec2::new(east, north) * self.exaggeration);
+        }
+    }
 }
 
 /// Light from one direction or several.
@@ -133,9 +159,27 @@ impl Sun {
         Self { towards, count, up, along }
     }
 
+    /// Brightness, 0 to 1, of the cells of a row, heights taken times `exaggeration`, a stretch at a time: `take`
+    /// gets the first column of the stretch and the brightness of its cells, NaN where the cell is a void.
+    pub fn brightnesses(
+        &self,
+        terrain: &Heightfield,
+        row: usize,
+        exaggeration: f64,
+        mut take: impl FnMut(usize, &[f64]),
+    ) {
+        let arch = Arch::new();
+        let mut bright = Vec::with_capacity(terrain.cols().min(surface::STRETCH));
+        surface::gradients(terrain, row, |start, east, north| {
+            bright.resize(east.len(), 0.0);
+            arch.dispatch(Lit { sun: self, exaggeration, east, north, bright: &mut bright });
+            take(start, &bright);
+        });
+    }
+
     /// Brightness, 0 to 1, of ground with that gradient.
-    #[must_use]
-    pub fn brightness(&self, gradient: DVec2) -> f64 {
+    #[inline(always)]
+    fn brightness(&self, gradient: DVec2) -> f64 {
         let square = gradient.length_squared();
         let steep = (1.0 + square).sqrt();
         // The normal is (-gradient, 1): lit by the cosine of its angle to the sun, never less than nothing.

@@ -1,5 +1,6 @@
 //! Slope map: steepness as colours, from Horn's gradient (see [`surface`]).
 
+use glam::DVec2;
 use orograph_core::prelude::*;
 
 use super::colour::{self, Palette};
@@ -54,11 +55,12 @@ impl Node for Slope {
         let terrain = inputs.terrain;
         let void = colour::parse("void_colour", &self.void_colour)?;
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
-            for (col, pixel) in out.iter_mut().enumerate() {
-                *pixel = surface::gradient(terrain, row, col).map_or(void, |gradient| {
-                    self.palette.at(surface::slope_degrees(gradient) / self.steepest)
-                });
-            }
+            surface::gradients(terrain, row, |start, east, north| {
+                for ((pixel, &east), &north) in out[start..].iter_mut().zip(east).zip(north) {
+                    let steep = surface::slope_degrees(DVec2::new(east, north));
+                    *pixel = if steep.is_nan() { void } else { self.palette.at(steep / self.steepest) };
+                }
+            });
             Ok(())
         })?;
         Ok(SlopeOut { picture })

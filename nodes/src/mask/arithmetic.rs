@@ -50,34 +50,22 @@ impl Node for Arithmetic {
     type Outputs = ArithmeticOut;
 
     fn run(&self, inputs: ArithmeticIn<'_>, job: &Job) -> Result<ArithmeticOut> {
-        let a = inputs.a;
-        if self.operation == Operation::Invert {
-            return Ok(ArithmeticOut { mask: a.map(job, |share| 1.0 - share)? });
-        }
-        let b = inputs.b.ok_or_else(|| {
-            Error::invalid("this operation takes two masks, but `b` is not connected", "connect `b`")
-        })?;
-        a.grid().match_size("a", b.grid(), "b")?;
-        let mask = Mask::build(a.grid().clone(), job, |row, out| {
-            for ((out, &a), &b) in out.iter_mut().zip(a.row(row)).zip(b.row(row)) {
-                *out = self.operation.of(a, b);
-            }
-            Ok(())
-        })?;
+        let (a, b) = (inputs.a, inputs.b);
+        let b = match self.operation {
+            Operation::Invert => a,
+            _ => b.ok_or_else(|| {
+                Error::invalid("this operation takes two masks, but `b` is not connected", "connect `b`")
+            })?,
+        };
+        let mask = match self.operation {
+            Operation::Intersect => a.map_with(b, job, |a, b| a.min(b)),
+            Operation::Unite => a.map_with(b, job, |a, b| a.max(b)),
+            Operation::Subtract => a.map_with(b, job, |a, b| a.min(1.0 - b)),
+            Operation::Differ => a.map_with(b, job, |a, b| (a - b).abs()),
+            Operation::Multiply => a.map_with(b, job, |a, b| a * b),
+            Operation::Invert => a.map(job, |share| 1.0 - share),
+        }?;
         Ok(ArithmeticOut { mask })
-    }
-}
-
-impl Operation {
-    fn of(self, a: f32, b: f32) -> f32 {
-        match self {
-            Self::Intersect => a.min(b),
-            Self::Unite => a.max(b),
-            Self::Subtract => a.min(1.0 - b),
-            Self::Differ => (a - b).abs(),
-            Self::Multiply => a * b,
-            Self::Invert => 1.0 - a,
-        }
     }
 }
 

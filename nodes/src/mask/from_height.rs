@@ -50,9 +50,8 @@ impl Node for FromHeight {
     }
 
     fn run(&self, inputs: FromHeightIn<'_>, job: &Job) -> Result<FromHeightOut> {
-        let mask = inputs
-            .terrain
-            .map(job, |height| band(f64::from(height), self.low, self.high, self.soft) as f32)?;
+        let &Self { low, high, soft } = self;
+        let mask = inputs.terrain.map(job, |height| band(f64::from(height), low, high, soft) as f32)?;
         Ok(FromHeightOut { mask })
     }
 }

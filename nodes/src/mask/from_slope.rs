@@ -1,5 +1,6 @@
 //! Mask from slope: the cells whose slope lies between two angles.
 
+use glam::DVec2;
 use orograph_core::prelude::*;
 
 use super::ramp::band;
@@ -55,12 +56,13 @@ impl Node for FromSlope {
     fn run(&self, inputs: FromSlopeIn<'_>, job: &Job) -> Result<FromSlopeOut> {
         let terrain = inputs.terrain;
         let mask = Mask::build(terrain.grid().clone(), job, |row, out| {
-            for (col, out) in out.iter_mut().enumerate() {
-                if let Some(gradient) = surface::gradient(terrain, row, col) {
-                    let slope = libm::atan(gradient.length()).to_degrees();
-                    *out = band(slope, self.low, self.high, self.soft) as f32;
+            surface::gradients(terrain, row, |start, east, north| {
+                for ((share, &east), &north) in out[start..].iter_mut().zip(east).zip(north) {
+                    let slope = surface::slope_degrees(DVec2::new(east, north));
+                    // No angle lies in the band at a void.
+                    *share = band(slope, self.low, self.high, self.soft) as f32;
                 }
-            }
+            });
             Ok(())
         })?;
         Ok(FromSlopeOut { mask })

@@ -3,12 +3,12 @@
 /// Share of `x` in the band `low..=high`: 1 inside, 0 further than `soft` outside, smooth between; 0 for NaN.
 #[must_use]
 pub fn band(x: f64, low: f64, high: f64, soft: f64) -> f64 {
-    if !(low - soft..=high + soft).contains(&x) {
-        return 0.0;
-    }
-    // How far outside, as a share of the soft edge; a hard edge has no outside that gets here.
+    // How far outside, as a share of the soft edge; a hard edge divides by nothing, and its share is not used.
+    // Written without branches, so that loops over it run on many cells at once.
     let outside = (low - x).max(x - high);
-    if outside <= 0.0 { 1.0 } else { smooth(1.0 - outside / soft) }
+    let edge = smooth(1.0 - outside / soft);
+    let share = if outside <= 0.0 { 1.0 } else { edge };
+    if x >= low - soft && x <= high + soft { share } else { 0.0 }
 }
 
 /// The cubic from 0 to 1 that is level at both ends.

@@ -1,5 +1,6 @@
 //! Slope and aspect as data, from Horn's gradient (see [`surface`]).
 
+use glam::DVec2;
 use orograph_core::prelude::*;
 
 use crate::surface;
@@ -41,12 +42,14 @@ impl Node for Slope {
 
     fn run(&self, inputs: SlopeIn<'_>, job: &Job) -> Result<SlopeOut> {
         let terrain = inputs.terrain;
-        let each = |of: fn(glam::DVec2) -> Option<f64>| {
+        let each = |of: fn(DVec2) -> Option<f64>| {
             Heightfield::build(terrain.grid().clone(), job, |row, out| {
-                for (col, out) in out.iter_mut().enumerate() {
-                    let degrees = surface::gradient(terrain, row, col).and_then(of);
-                    *out = degrees.map_or(f32::NAN, |degrees| degrees as f32);
-                }
+                surface::gradients(terrain, row, |start, east, north| {
+                    for ((out, &east), &north) in out[start..].iter_mut().zip(east).zip(north) {
+                        let degrees = if east.is_nan() { None } else { of(DVec2::new(east, north)) };
+                        *out = degrees.map_or(f32::NAN, |degrees| degrees as f32);
+                    }
+                });
                 Ok(())
             })
         };
