@@ -5,6 +5,7 @@
 //! width: each cell is worked out by itself, with the same operations in the same order.
 
 use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
 
 use crate::{Job, Kind, Raster, Result};
 
@@ -110,5 +111,61 @@ impl<A: Copy, B: Copy, T, F: Fn(A, B, f32) -> T> NullaryFnOnce for Three<'_, A, 
         for (((out, &a), &b), &share) in self.out.iter_mut().zip(self.a).zip(self.b).zip(self.mask) {
             *out = (self.f)(a, b, share);
         }
+    }
+}
+
+/// Cells that one task goes through.
+const PART: usize = 1 << 16;
+/// Running results kept apart, one for each lane of the widest register.
+const LANES: usize = 16;
+
+/// Lowest and highest of the cells that are no voids. No order counts here, so that the threads' does not either.
+pub(crate) fn range(cells: &[f32]) -> Option<(f32, f32)> {
+    let arch = Arch::new();
+    let none = (f32::INFINITY, f32::NEG_INFINITY);
+    let join = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));
+    let (low, high) = cells.par_chunks(PART).map(|part| arch.dispatch(Range(part))).reduce(|| none, join);
+    // Of two zeros either may have won: both are 0 from here on.
+    (low <= high).then_some((low + 0.0, high + 0.0))
+}
+
+/// How many cells are voids.
+pub(crate) fn count_voids(cells: &[f32]) -> usize {
+    let arch = Arch::new();
+    cells.par_chunks(PART).map(|part| arch.dispatch(Voids(part))).sum()
+}
+
+struct Range<'a>(&'a [f32]);
+
+impl NullaryFnOnce for Range<'_> {
+    type Output = (f32, f32);
+
+    #[inline(always)]
+    fn call(self) -> (f32, f32) {
+        let (mut low, mut high) = ([f32::INFINITY; LANES], [f32::NEG_INFINITY; LANES]);
+        let lanes = self.0.chunks_exact(LANES);
+        let rest = lanes.remainder();
+        for cells in lanes {
+            for ((low, high), &cell) in low.iter_mut().zip(&mut high).zip(cells) {
+                // A void is neither lower nor higher.
+                *low = if cell < *low { cell } else { *low };
+                *high = if cell > *high { cell } else { *high };
+            }
+        }
+        let low = low.iter().chain(rest).fold(f32::INFINITY, |low, &cell| low.min(cell));
+        let high = high.iter().chain(rest).fold(f32::NEG_INFINITY, |high, &cell| high.max(cell));
+        (low, high)
+    }
+}
+
+struct Voids<'a>(&'a [f32]);
+
+impl NullaryFnOnce for Voids<'_> {
+    type Output = usize;
+
+    #[inline(always)]
+    fn call(self) -> usize {
+        // A part's count fits 32 bits, which leaves more lanes than 64 would.
+        self.0.iter().map(|cell| u32::from(cell.is_nan())).sum::<u32>() as usize
     }
 }

@@ -3,7 +3,7 @@
 use bytemuck::Pod;
 use rayon::prelude::*;
 
-use crate::{Error, Grid, Job, Result, ValueType, buffer::Buffer};
+use crate::{Error, Grid, Job, Result, ValueType, buffer::Buffer, pointwise};
 
 /// What the cells of a [`Raster`] mean.
 pub trait Kind: Copy + Send + Sync + std::fmt::Debug + 'static {
@@ -250,19 +250,13 @@ impl Heightfield {
     /// Lowest and highest height; `None` when every cell is a void.
     #[must_use]
     pub fn range(&self) -> Option<(f32, f32)> {
-        let fold = |(low, high): (f32, f32), &height: &f32| (low.min(height), high.max(height));
-        let join = |a: (f32, f32), b: (f32, f32)| (a.0.min(b.0), a.1.max(b.1));
-        let empty = (f32::INFINITY, f32::NEG_INFINITY);
-        // Minimum and maximum do not depend on the order, so this may run in parallel.
-        let (low, high) =
-            self.cells.par_chunks(1 << 16).map(|part| part.iter().fold(empty, fold)).reduce(|| empty, join);
-        (low <= high).then_some((low, high))
+        pointwise::range(&self.cells)
     }
 
     /// Number of voids.
     #[must_use]
     pub fn void_count(&self) -> usize {
-        self.cells.par_chunks(1 << 16).map(|part| part.iter().filter(|height| height.is_nan()).count()).sum()
+        pointwise::count_voids(&self.cells)
     }
 
     /// Lowest and highest height.
@@ -287,6 +281,9 @@ mod tests {
         let grid = Grid::new(2, 2, CellSize::square(1.0)).unwrap();
         let field = Heightfield::new(grid.clone(), vec![f32::NAN, 3.0, -1.0, f32::NAN]).unwrap();
         assert_eq!(field.range(), Some((-1.0, 3.0)));
+        let long: Vec<f32> = (0..200_000).map(|i| if i % 7 == 0 { f32::NAN } else { i as f32 }).collect();
+        let long = Heightfield::new(Grid::new(1, 200_000, CellSize::square(1.0)).unwrap(), long).unwrap();
+        assert_eq!((long.range(), long.void_count()), (Some((1.0, 199_999.0)), 28_572));
         assert_eq!(field.void_count(), 2);
         let voids = Heightfield::new(grid, vec![f32::NAN; 4]).unwrap();
         assert_eq!(voids.range(), None);

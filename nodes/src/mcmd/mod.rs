@@ -3,6 +3,7 @@
 pub(crate) mod axis;
 pub(crate) mod bottom_up;
 pub mod curve;
+pub(crate) mod even_level;
 pub(crate) mod extent;
 #[expect(clippy::module_inception, reason = "the family is named after its algorithm")]
 pub mod mcmd;

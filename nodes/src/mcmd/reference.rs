@@ -152,7 +152,8 @@ fn brute_force(
     (heights, rounds, known.len())
 }
 
-const SIZES: [(usize, usize); 12] = [
+const SIZES: [(usize, usize); 13] = [
+    (5, 513),
     (33, 33),
     (33, 17),
     (31, 20),

@@ -254,8 +254,13 @@ impl Falloff {
     /// A height scaled about the datum.
     #[inline]
     pub(crate) fn apply(&self, height: f32, factor: f64) -> f64 {
-        let height = f64::from(height);
-        if self.flat { height } else { self.datum + (height - self.datum) * factor }
+        if self.flat { f64::from(height) } else { self.scale(height, factor) }
+    }
+
+    /// [`apply`](Self::apply) where the falloff is known not to be flat.
+    #[inline(always)]
+    pub(crate) fn scale(&self, height: f32, factor: f64) -> f64 {
+        self.datum + (f64::from(height) - self.datum) * factor
     }
 }
 

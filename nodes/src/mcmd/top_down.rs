@@ -4,10 +4,12 @@
 //! centres), so rows run in parallel and the order within a level does not matter.
 
 use orograph_core::{Grid, Heightfield, Job, Result, key, signed_unit};
+use pulp::Arch;
 use rayon::prelude::*;
 
 use crate::mcmd::{
     axis::Axis,
+    even_level::{EvenLevel, even_stride},
     settings::{Falloff, Scheme, Settings},
 };
 
@@ -16,15 +18,15 @@ const STREAM: u64 = 0x6D63_6D64;
 
 /// Random numbers of the pass: a function of seed and base cell.
 #[derive(Clone, Copy)]
-struct Noise {
+pub(crate) struct Noise {
     seed: u64,
     row0: i64,
     col0: i64,
 }
 
 impl Noise {
-    #[inline]
-    fn at(self, x: usize, y: usize) -> f64 {
+    #[inline(always)]
+    pub(crate) fn at(self, x: usize, y: usize) -> f64 {
         signed_unit(key(self.seed, STREAM, self.col0 + x as i64, self.row0 + y as i64))
     }
 }
@@ -74,6 +76,8 @@ struct Level<'a> {
     /// Displacement of centres per random number.
     center_amplitude: f64,
     settings: &'a Settings,
+    /// The quick way, where the level allows it.
+    even: Option<EvenLevel<'a>>,
 }
 
 /// A row of this level's midpoints with the rows that it halves the space between.
@@ -110,6 +114,9 @@ impl Level<'_> {
         row: &mut [f32],
         beside: [Option<(&[f32], usize)>; 2],
     ) {
+        if let Some(even) = self.even {
+            return even.edges::<FLAT, NOISY>(y, row);
+        }
         for (ends, mid) in self.lines.windows(2).zip(self.mids) {
             let Some(mid) = *mid else { continue };
             let (a, b) = (ends[0] as usize, ends[1] as usize);
@@ -135,6 +142,9 @@ impl Level<'_> {
         squares: bool,
     ) {
         let (y, row, (up, down)) = (at.y, &mut *at.row, at.steps);
+        if let Some(even) = self.even {
+            return even.between::<FLAT, NOISY>(y, row, [above, below], (up, down));
+        }
         // One length for all three lets the compiler check indices once.
         let (above, below) = (&above[..row.len()], &below[..row.len()]);
         for (k, &line) in self.lines.iter().enumerate() {
@@ -255,10 +265,24 @@ pub(crate) fn top_down(
     let falloff = Falloff::new(cols, rows, settings.shape.l, settings.datum);
     let mut lines = cols.ends();
     let depth = cols.depth.max(rows.depth);
+    let arch = Arch::new();
     for level in 1..=depth {
         let mids = cols.midpoints(&lines);
         let (flat, noisy) = (falloff.is_flat(), settings.shape.rs != 0.0);
         let amplitude = settings.amplitude(level);
+        let amplitudes = [amplitude, amplitude * settings.center_gain];
+        let triangles = settings.scheme == Scheme::TriangleEdge;
+        let stride = if triangles { even_stride(&lines, n_cols) } else { None };
+        let even = stride.map(|stride| EvenLevel {
+            stride,
+            falloff: &falloff,
+            factors: falloff.level(level),
+            noise,
+            rt: settings.shape.rt,
+            amplitudes,
+            limits: settings.limits.unwrap_or((f64::NEG_INFINITY, f64::INFINITY)),
+            arch,
+        });
         let this = Level {
             lines: &lines,
             mids: &mids,
@@ -267,8 +291,9 @@ pub(crate) fn top_down(
             falloff: &falloff,
             noise,
             amplitude,
-            center_amplitude: amplitude * settings.center_gain,
+            center_amplitude: amplitudes[1],
             settings,
+            even,
         };
         let run = match (flat, noisy) {
             (true, true) => Level::run::<true, true>,
