@@ -13,6 +13,7 @@ pub mod histogram;
 pub mod legend;
 pub mod mark_known;
 pub mod mask_overlay;
+pub mod perspective;
 pub mod plot;
 pub mod profile;
 pub mod slope;
@@ -32,6 +33,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<histogram::Histogram>(),
         NodeType::of::<mark_known::MarkKnown>(),
         NodeType::of::<mask_overlay::MaskOverlay>(),
+        NodeType::of::<perspective::Perspective>(),
         NodeType::of::<plot::Plot>(),
         NodeType::of::<profile::Profile>(),
         NodeType::of::<slope::Slope>(),
