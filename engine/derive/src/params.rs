@@ -131,7 +131,10 @@ fn single(field: &Field, attr: ParamAttr) -> syn::Result<Member> {
 fn flattened(field: &Field, attr: ParamAttr) -> syn::Result<Member> {
     let (ident, ty) = (&field.ident, &field.ty);
     if attr.range.is_some() || attr.slider.is_some() || attr.unit.is_some() {
-        return Err(syn::Error::new_spanned(ident, "ranges and units belong to the flattened struct's fields"));
+        return Err(syn::Error::new_spanned(
+            ident,
+            "ranges and units belong to the flattened struct's fields",
+        ));
     }
     let count = quote!(<#ty as ::orograph_core::Params>::COUNT);
     Ok(Member {
