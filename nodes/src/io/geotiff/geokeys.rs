@@ -7,7 +7,11 @@ use std::{collections::BTreeMap, fmt::Write};
 
 use orograph_core::prelude::*;
 
-use super::{ifd::Ifd, tag};
+use super::{
+    feet::{self, FOOT, SURVEY_FOOT},
+    ifd::Ifd,
+    tag,
+};
 use crate::io::ground::{MapUnit, cell_size, lies_on_globe, looks_like_degrees};
 
 const MODEL_TYPE: u16 = 1024;
@@ -27,8 +31,6 @@ const PIXEL_IS_POINT: u16 = 2;
 const USER_DEFINED: u16 = 32767;
 const METRE: u16 = 9001;
 const DEGREE: u16 = 9102;
-/// The US survey foot, in metres.
-const SURVEY_FOOT: f64 = 1200.0 / 3937.0;
 /// Begins the text of a coordinate system that has no EPSG number.
 const KEYS: &str = "geokeys";
 
@@ -172,7 +174,7 @@ impl Keys {
         }
         let metres = match self.short(LINEAR_UNITS) {
             Some(unit) => metres_of(unit).or(self.double(LINEAR_UNIT_SIZE)),
-            None => None,
+            None => projected.and_then(feet::of_system),
         };
         (self.short(MODEL_TYPE).is_some() || projected.is_some() || metres.is_some()).then(|| {
             MapUnit::Metres(metres.filter(|metres| metres.is_finite() && *metres > 0.0).unwrap_or(1.0))
@@ -269,7 +271,7 @@ fn joined<T: ToString>(values: &[T]) -> String {
 fn metres_of(unit: u16) -> Option<f64> {
     Some(match unit {
         METRE => 1.0,
-        9002 => 0.3048,
+        9002 => FOOT,
         9003 => SURVEY_FOOT,
         9005 => 0.304_797_265_4,
         9014 => 1.8288,
@@ -292,7 +294,7 @@ fn is_geographic(code: u16, transform: &[f64; 6], size: (usize, usize)) -> bool 
 fn linear_unit(grid: &Grid, georef: &Georef) -> u16 {
     let metres = grid.cell.x / libm::hypot(georef.transform[1], georef.transform[4]);
     let near = |unit: f64| (metres / unit - 1.0).abs() < 2e-7;
-    if near(0.3048) {
+    if near(FOOT) {
         9002
     } else if near(SURVEY_FOOT) {
         9003
