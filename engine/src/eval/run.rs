@@ -55,6 +55,7 @@ impl InFlight {
 pub(crate) struct Run {
     pub(crate) shared: Arc<Shared>,
     pub(crate) request: Request,
+    pub(crate) folder: OutputFolder,
     pub(crate) cancel: CancelToken,
     observer: Arc<dyn Observer>,
     /// The nodes that the targets depend on, inputs first.
@@ -86,9 +87,11 @@ impl Run {
         }
         let history = History::load(request.history.as_deref(), &shared.cache);
         let state = Mutex::new(State::new(keys.len()));
+        let folder = OutputFolder::new(&request.out_dir);
         Arc::new_cyclic(|me| Self {
             shared,
             request,
+            folder,
             cancel,
             observer,
             wanted,
@@ -227,7 +230,8 @@ impl Run {
         let begun = Instant::now();
         let host = TaskHost::new(self, NodeId(node));
         let context = visible_context(self.node(node), self.request.context);
-        let result = run_node(self.node(node), slots, &Job::new(&host, context));
+        let result =
+            run_node(self.node(node), slots, &Job::new(&host, context)).map_err(|error| host.located(error));
         let micros = u64::try_from(begun.elapsed().as_micros()).unwrap_or(u64::MAX);
         let values = match result {
             Ok(values) => values,
@@ -399,8 +403,13 @@ impl Run {
         if record.outputs.len() != spec.outputs.len() {
             return None;
         }
-        let in_place = !spec.writes || OutputFolder::new(&self.request.out_dir).holds(&record.files);
-        in_place.then_some((record, tier))
+        if spec.writes {
+            if !self.folder.holds(&record.files) {
+                return None;
+            }
+            self.folder.sweep_beside(&record.files);
+        }
+        Some((record, tier))
     }
 
     /// Lets a recipe find what its action found.
