@@ -2,6 +2,9 @@
 //! `data/tifffile_*.tif` by tifffile, the rest put together by hand and read by GDAL as stated here. All of them show
 //! the same invented terrain, see [`height`].
 
+// A helper that fails is a test that fails.
+#![allow(clippy::unwrap_used)]
+
 use std::{path::Path, sync::Mutex};
 
 use orograph_core::prelude::*;
@@ -148,6 +151,9 @@ fn samples_lie_where_gdal_put_them() {
     }
     let (terrain, _) = holds("gdal_own_projection_in_feet", height);
     assert!((terrain.grid().cell.x / (100.0 * SURVEY_FOOT) - 1.0).abs() < 1e-9);
+    // GDAL finds the names in a citation by the bars between them.
+    let crs = &terrain.grid().georef.as_ref().unwrap().crs;
+    assert!(crs.contains("|2049:tGCS Name = unknown%7CPrimem = Greenwich%7C|"), "{crs}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Georeference tags: the transform, the coordinate system's keys, and what both mean in metres.
 //!
 //! A system with an EPSG number travels as `EPSG:n`. One without travels as the text of its keys, from which
-//! the keys are written again to the bit: `geokeys|1024:s1|2057:d6378137|1026:tname`.
+//! the keys are written again to the bit: `geokeys|1024:s1|2057:d6378137|1026:tname`, with `%7C` for a bar in a name.
 
 use std::{collections::BTreeMap, fmt::Write};
 
@@ -116,7 +116,8 @@ impl Keys {
                     .map(|values| KeyValue::Shorts(values.iter().map(|&value| value as u16).collect())),
                 tag::GEO_DOUBLE_PARAMS => doubles.get(range).map(|values| KeyValue::Doubles(values.to_vec())),
                 tag::GEO_ASCII_PARAMS => {
-                    texts.get(range).map(|text| KeyValue::Text(text.trim_end_matches('|').into()))
+                    // The last bar ends the text; GDAL parts what it says within one by bars too.
+                    texts.get(range).map(|text| KeyValue::Text(text.strip_suffix('|').unwrap_or(text).into()))
                 }
                 _ => None,
             };
@@ -202,7 +203,9 @@ impl Keys {
             let _ = match value {
                 KeyValue::Shorts(values) => write!(text, "|{key}:s{}", joined(values)),
                 KeyValue::Doubles(values) => write!(text, "|{key}:d{}", joined(values)),
-                KeyValue::Text(value) => write!(text, "|{key}:t{}", value.replace('|', "/")),
+                KeyValue::Text(value) => {
+                    write!(text, "|{key}:t{}", value.replace('%', "%25").replace('|', "%7C"))
+                }
             };
         }
         text
@@ -221,7 +224,7 @@ impl Keys {
             let value = match kind {
                 "s" => KeyValue::Shorts(value.split(',').map(|x| x.parse().ok()).collect::<Option<_>>()?),
                 "d" => KeyValue::Doubles(value.split(',').map(|x| x.parse().ok()).collect::<Option<_>>()?),
-                "t" => KeyValue::Text(value.into()),
+                "t" => KeyValue::Text(value.replace("%7C", "|").replace("%25", "%")),
                 _ => return None,
             };
             keys.insert(key.parse().ok()?, value);
