@@ -11,7 +11,7 @@ use orograph_core::{InputPath, Job, Node};
 use orograph_nodes::io::read_texture::ReadTexture;
 use support::{CHAIN, Place};
 
-/// Two heights of a plain, with two relations to a limit each.
+/// Level ground and hills under three limits.
 const GRID: &str = "sweep g.ron --param flat.highest=20,40,60 --param hills.amplitude=0,500 --thumbnail 64";
 
 fn csv(place: &Place) -> Vec<Vec<String>> {
@@ -27,18 +27,19 @@ fn the_tables_have_a_row_for_each_combination() {
     assert_eq!(rows[0][..2], ["flat.highest", "hills.amplitude"]);
     let set: Vec<_> = rows[1..].iter().map(|row| (row[0].as_str(), row[1].as_str())).collect();
     assert_eq!(set, [("20", "0"), ("20", "500"), ("40", "0"), ("40", "500"), ("60", "0"), ("60", "500")]);
-    // The last combination's metrics are those of a run with its settings.
     let highest = rows[0].iter().position(|name| name == "stats.highest [m]").unwrap();
     let values: Vec<f64> = rows[1..].iter().map(|row| row[highest].parse().unwrap()).collect();
     assert_eq!(values, [0.0, 20.0, 0.0, 40.0, 0.0, 60.0]);
+    // A combination's metrics are those of a run with its settings.
     let mean = rows[0].iter().position(|name| name == "stats.mean [m]").unwrap();
     let single = place.manifest("g.ron stats --set flat.highest=60 --set hills.amplitude=500", 0);
     assert_eq!(rows[6][mean].parse::<f64>().ok(), single["results"]["stats"]["mean"]["values"][0].as_f64());
     // JSON says the same as CSV.
     let json: serde_json::Value =
         serde_json::from_slice(&fs::read(place.path("out/sweep.json")).unwrap()).unwrap();
-    let text = json.to_string();
-    assert!(text.contains("stats.highest") && text.contains("[0.0,20.0,0.0,40.0,0.0,60.0]"), "{text}");
+    assert_eq!(json["units"]["stats.highest"], "m");
+    let told = json["rows"].as_array().unwrap().iter().map(|row| row["stats.highest"].as_f64().unwrap());
+    assert_eq!(told.collect::<Vec<_>>(), values);
 }
 
 #[test]
