@@ -6,6 +6,7 @@ use orograph_nodes::mcmd::{
     mcmd::{Mcmd, McmdIn},
     md::{Md, MdIn},
     mdbu::{Mdbu, MdbuIn},
+    params::LargeForms,
     settings::Preset,
 };
 
@@ -50,7 +51,7 @@ fn corners(side: usize) -> Heightfield {
 #[divan::bench(args = [1025, 4097], sample_count = 5)]
 fn mdbu(bencher: Bencher, side: usize) {
     let constraints = constraints(side);
-    let node = Mdbu { l_bu: 6.0, ..Mdbu::default() };
+    let node = Mdbu { large_forms: LargeForms { l_bu: 6.0 }, ..Mdbu::default() };
     bencher
         .counter(ItemsCount::new(side * side))
         .bench(|| node.run(MdbuIn { constraints: &constraints }, &Job::detached()));
@@ -59,7 +60,7 @@ fn mdbu(bencher: Bencher, side: usize) {
 #[divan::bench(args = [1025, 4097], sample_count = 5)]
 fn md_plain(bencher: Bencher, side: usize) {
     let constraints = corners(side);
-    let node = Md { preset: Preset::Reconstruct, ..Md::default() };
+    let node = Md { named: Preset::Reconstruct.into(), ..Md::default() };
     bencher
         .counter(ItemsCount::new(side * side))
         .bench(|| node.run(MdIn { constraints: &constraints }, &Job::detached()));
@@ -68,7 +69,7 @@ fn md_plain(bencher: Bencher, side: usize) {
 #[divan::bench(args = [1025, 4097], sample_count = 5)]
 fn md_displaced(bencher: Bencher, side: usize) {
     let constraints = corners(side);
-    let node = Md { preset: Preset::Mountains, ..Md::default() };
+    let node = Md { named: Preset::Mountains.into(), ..Md::default() };
     bencher
         .counter(ItemsCount::new(side * side))
         .bench(|| node.run(MdIn { constraints: &constraints }, &Job::detached()));
@@ -77,7 +78,7 @@ fn md_displaced(bencher: Bencher, side: usize) {
 #[divan::bench(args = [1025, 4097], sample_count = 5)]
 fn reconstruct(bencher: Bencher, side: usize) {
     let constraints = constraints(side);
-    let node = Mcmd { preset: Preset::Reconstruct, ..Mcmd::default() };
+    let node = Mcmd { named: Preset::Reconstruct.into(), ..Mcmd::default() };
     bencher
         .counter(ItemsCount::new(side * side))
         .bench(|| node.run(McmdIn { constraints: &constraints }, &Job::detached()));
@@ -86,7 +87,7 @@ fn reconstruct(bencher: Bencher, side: usize) {
 #[divan::bench(args = [1025, 4097], sample_count = 5)]
 fn mountains(bencher: Bencher, side: usize) {
     let constraints = constraints(side);
-    let node = Mcmd { preset: Preset::Mountains, ..Mcmd::default() };
+    let node = Mcmd { named: Preset::Mountains.into(), ..Mcmd::default() };
     bencher
         .counter(ItemsCount::new(side * side))
         .bench(|| node.run(McmdIn { constraints: &constraints }, &Job::detached()));

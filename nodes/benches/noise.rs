@@ -2,7 +2,10 @@
 
 use divan::counter::ItemsCount;
 use orograph_core::prelude::*;
-use orograph_nodes::generate::{GroundIn, fbm::Fbm, ridged::Ridged};
+use orograph_nodes::{
+    Ground,
+    generate::{GroundIn, fbm::Fbm, ridged::Ridged},
+};
 
 fn main() {
     divan::main();
@@ -16,7 +19,8 @@ fn one_thread<T: Send>(work: impl FnOnce() -> T + Send) -> T {
 #[divan::bench(args = [10, 40, 160])]
 fn fbm_8_octaves(bencher: divan::Bencher, cell: u32) {
     let extent = f64::from(cell) * 1000.0;
-    let node = Fbm { width: extent, height: extent, cells: 1000, ..Fbm::default() };
+    let ground = Ground { width: extent, height: extent, cells: 1000 };
+    let node = Fbm { ground, ..Fbm::default() };
     bencher
         .counter(ItemsCount::new(1_000_000_u64))
         .bench_local(|| one_thread(|| node.run(GroundIn { like: None }, &Job::detached())));
@@ -25,7 +29,8 @@ fn fbm_8_octaves(bencher: divan::Bencher, cell: u32) {
 #[divan::bench(args = [10, 40, 160])]
 fn ridged_8_octaves(bencher: divan::Bencher, cell: u32) {
     let extent = f64::from(cell) * 1000.0;
-    let node = Ridged { width: extent, height: extent, cells: 1000, ..Ridged::default() };
+    let ground = Ground { width: extent, height: extent, cells: 1000 };
+    let node = Ridged { ground, ..Ridged::default() };
     bencher
         .counter(ItemsCount::new(1_000_000_u64))
         .bench_local(|| one_thread(|| node.run(GroundIn { like: None }, &Job::detached())));

@@ -7,6 +7,7 @@ pub mod adjust;
 pub mod combine;
 pub mod filter;
 pub mod generate;
+mod ground;
 pub mod io;
 pub mod look;
 pub mod mask;
@@ -18,6 +19,7 @@ pub mod surface;
 mod test_fields;
 pub mod transform;
 
+pub use ground::Ground;
 use orograph_core::NodeType;
 
 /// Every built-in node type, family by family.

@@ -65,6 +65,8 @@ pub trait Node: Params + Send + Sync + 'static {
 pub trait Params: Sized + Default {
     /// The doc comment of the settings struct: the node's docs.
     const DOC: &'static str;
+    /// How many parameters there are.
+    const COUNT: usize;
     /// The parameters, in declaration order.
     fn specs() -> Vec<ParamSpec>;
     /// Settings from values in that order.

@@ -131,3 +131,72 @@ fn a_node_runs_through_its_erased_form() {
     let wrong = [Slot::One(Value::Number(1.0)), Slot::Empty, Slot::Empty];
     assert!(matches!(node.run(&wrong, &Job::detached()), Err(Error::InputType { .. })));
 }
+
+/// Where to round, shared by several nodes.
+#[derive(Params, Clone, Debug, PartialEq)]
+pub struct Window {
+    /// Lowest height.
+    #[param(default = 0, range = -10.0..=10.0, unit = "m")]
+    pub lowest: f64,
+    /// Highest height.
+    #[param(default = 1, range = -10.0..=10.0, unit = "m")]
+    pub highest: f64,
+}
+
+/// Has shared settings between its own.
+#[derive(Params, Clone, Debug, PartialEq)]
+pub struct Sharing {
+    /// Before.
+    #[param(default = false)]
+    pub before: bool,
+    /// As it comes.
+    #[param(flatten)]
+    pub window: Window,
+    /// After.
+    #[param(default = 3u32, range = 1..=9, unit = "1")]
+    pub after: u32,
+}
+
+/// Shares what shares, with other defaults.
+#[derive(Params, Clone, Debug, PartialEq)]
+pub struct Nested {
+    /// All of it.
+    #[param(flatten, default = Sharing { after: 5, ..Sharing::default() })]
+    pub sharing: Sharing,
+    /// Last.
+    #[param(default = true)]
+    pub last: bool,
+}
+
+#[test]
+fn flattened_settings_stand_in_place_under_their_own_names() {
+    let names = |specs: Vec<orograph_core::ParamSpec>| -> Vec<String> {
+        specs.into_iter().map(|spec| spec.name.into()).collect()
+    };
+    assert_eq!(names(Sharing::specs()), ["before", "lowest", "highest", "after"]);
+    assert_eq!(names(Nested::specs()), ["before", "lowest", "highest", "after", "last"]);
+    assert_eq!((Sharing::COUNT, Nested::COUNT), (4, 5));
+    assert_eq!(Sharing::specs()[3].default, ParamValue::Integer(3));
+    assert_eq!(Nested::specs()[3].default, ParamValue::Integer(5));
+    assert_eq!(Nested::specs()[1], Window::specs()[0]);
+}
+
+#[test]
+fn flattened_settings_round_trip() {
+    let window = Window { lowest: -2.0, highest: 7.0 };
+    let nested = Nested { sharing: Sharing { before: true, window, after: 9 }, last: false };
+    let values = nested.to_values();
+    let expected = [
+        ParamValue::Boolean(true),
+        ParamValue::Number(-2.0),
+        ParamValue::Number(7.0),
+        ParamValue::Integer(9),
+        ParamValue::Boolean(false),
+    ];
+    assert_eq!(values, expected);
+    assert_eq!(Nested::from_values(&values), Ok(nested));
+    assert!(matches!(Nested::from_values(&values[1..]), Err(Error::ParamCount { expected: 5, found: 4 })));
+    let mut wrong = values;
+    wrong[2] = ParamValue::Boolean(true);
+    assert!(matches!(Nested::from_values(&wrong), Err(Error::ParamType { name }) if name == "highest"));
+}

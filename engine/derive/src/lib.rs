@@ -16,6 +16,9 @@ use syn::{Attribute, DeriveInput, Expr, ExprLit, Fields, Lit, Meta, parse_macro_
 ///
 /// Every field takes `#[param(default = …)]`; numbers also need `range = a..=b` and `unit = "…"`, and may
 /// narrow what an inspector offers with `slider = a..=b`.
+///
+/// A field with `#[param(flatten)]` is a settings struct that several nodes share: its parameters stand in the
+/// field's place under their own names. `default = …` beside it gives this node other defaults.
 #[proc_macro_derive(Params, attributes(param))]
 pub fn derive_params(input: TokenStream) -> TokenStream {
     expand(parse_macro_input!(input as DeriveInput), params::expand)

@@ -13,6 +13,22 @@ struct ParamAttr {
     range: Option<(Expr, Expr)>,
     slider: Option<(Expr, Expr)>,
     unit: Option<LitStr>,
+    /// The field is a settings struct that several nodes share; its parameters stand in its place.
+    flatten: bool,
+}
+
+/// One field's share of every generated function.
+struct Member {
+    /// Pushes the field's specs.
+    spec: TokenStream,
+    /// The field's default.
+    default: TokenStream,
+    /// The field from its values, given where they start.
+    read: TokenStream,
+    /// Pushes the field's values.
+    write: TokenStream,
+    /// How many parameters the field is.
+    count: TokenStream,
 }
 
 pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
@@ -22,50 +38,18 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
     let mut defaults = Vec::new();
     let mut reads = Vec::new();
     let mut writes = Vec::new();
-    for (index, field) in named_fields(input)?.into_iter().enumerate() {
+    let mut count = quote!(0);
+    for field in named_fields(input)? {
         let ident = &field.ident;
-        let label = ident.to_token_stream().to_string();
-        let ty = &field.ty;
         let attr = parse(field)?;
-        let field_doc = doc_of(&field.attrs, ident)?;
-        let Some(default) = attr.default else {
-            return Err(syn::Error::new_spanned(ident, "needs #[param(default = …)]"));
-        };
-        let numeric = is_numeric(ty);
-        if numeric && (attr.range.is_none() || attr.unit.is_none()) {
-            return Err(syn::Error::new_spanned(ident, "a number needs `range = a..=b` and `unit = \"…\"`"));
-        }
-        // A bare literal takes the field's type, so that `default = 10` serves every number.
-        let default = if numeric { quote!((#default) as #ty) } else { quote!((#default).into()) };
-        let limits = |pair: &Option<(Expr, Expr)>| match pair {
-            Some((low, high)) => quote!(Some(((#low) as f64, (#high) as f64))),
-            None => quote!(None),
-        };
-        let range = limits(&attr.range);
-        let slider = limits(&attr.slider);
-        let unit = match &attr.unit {
-            Some(unit) => {
-                quote!(const { ::orograph_core::Unit::parse(#unit) })
-            }
-            None => quote!(::orograph_core::Unit::One),
-        };
-        specs.push(quote! {
-            ::orograph_core::ParamSpec {
-                name: #label.into(),
-                doc: #field_doc.into(),
-                unit: #unit,
-                kind: <#ty as ::orograph_core::ParamField>::kind(#range, #slider),
-                default: ::orograph_core::ParamField::to_value(&defaults.#ident),
-            }
-        });
+        let member = if attr.flatten { flattened(field, attr)? } else { single(field, attr)? };
+        let (default, read, width) = (member.default, member.read, member.count);
+        specs.push(member.spec);
+        writes.push(member.write);
         defaults.push(quote!(#ident: #default));
-        reads.push(quote! {
-            #ident: ::orograph_core::ParamField::from_value(&values[#index])
-                .ok_or(::orograph_core::Error::ParamType { name: #label.into() })?
-        });
-        writes.push(quote!(::orograph_core::ParamField::to_value(&self.#ident)));
+        reads.push(quote!(#ident: { const AT: usize = #count; #read }));
+        count.extend(quote!(+ #width));
     }
-    let count = specs.len();
     Ok(quote! {
         impl ::core::default::Default for #name {
             fn default() -> Self {
@@ -74,21 +58,102 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
         }
         impl ::orograph_core::Params for #name {
             const DOC: &'static str = #doc;
+            const COUNT: usize = #count;
             fn specs() -> ::std::vec::Vec<::orograph_core::ParamSpec> {
                 #[allow(unused_variables)]
                 let defaults = Self::default();
-                vec![#(#specs),*]
+                #[allow(unused_mut)]
+                let mut specs = ::std::vec::Vec::with_capacity(Self::COUNT);
+                #(#specs)*
+                specs
             }
             fn from_values(values: &[::orograph_core::ParamValue]) -> ::orograph_core::Result<Self> {
-                if values.len() != #count {
-                    return Err(::orograph_core::Error::ParamCount { expected: #count, found: values.len() });
+                let expected = Self::COUNT;
+                if values.len() != expected {
+                    return Err(::orograph_core::Error::ParamCount { expected, found: values.len() });
                 }
                 Ok(Self { #(#reads),* })
             }
             fn to_values(&self) -> ::std::vec::Vec<::orograph_core::ParamValue> {
-                vec![#(#writes),*]
+                #[allow(unused_mut)]
+                let mut values = ::std::vec::Vec::with_capacity(Self::COUNT);
+                #(#writes)*
+                values
             }
         }
+    })
+}
+
+fn single(field: &Field, attr: ParamAttr) -> syn::Result<Member> {
+    let (ident, ty) = (&field.ident, &field.ty);
+    let label = ident.to_token_stream().to_string();
+    let doc = doc_of(&field.attrs, ident)?;
+    let Some(default) = attr.default else {
+        return Err(syn::Error::new_spanned(ident, "needs #[param(default = …)]"));
+    };
+    let numeric = is_numeric(ty);
+    if numeric && (attr.range.is_none() || attr.unit.is_none()) {
+        return Err(syn::Error::new_spanned(ident, "a number needs `range = a..=b` and `unit = \"…\"`"));
+    }
+    let limits = |pair: &Option<(Expr, Expr)>| match pair {
+        Some((low, high)) => quote!(Some(((#low) as f64, (#high) as f64))),
+        None => quote!(None),
+    };
+    let range = limits(&attr.range);
+    let slider = limits(&attr.slider);
+    let unit = match &attr.unit {
+        Some(unit) => {
+            quote!(const { ::orograph_core::Unit::parse(#unit) })
+        }
+        None => quote!(::orograph_core::Unit::One),
+    };
+    Ok(Member {
+        spec: quote! {
+            specs.push(::orograph_core::ParamSpec {
+                name: #label.into(),
+                doc: #doc.into(),
+                unit: #unit,
+                kind: <#ty as ::orograph_core::ParamField>::kind(#range, #slider),
+                default: ::orograph_core::ParamField::to_value(&defaults.#ident),
+            });
+        },
+        // A bare literal takes the field's type, so that `default = 10` serves every number.
+        default: if numeric { quote!((#default) as #ty) } else { quote!((#default).into()) },
+        read: quote! {
+            ::orograph_core::ParamField::from_value(&values[AT])
+                .ok_or(::orograph_core::Error::ParamType { name: #label.into() })?
+        },
+        write: quote!(values.push(::orograph_core::ParamField::to_value(&self.#ident));),
+        count: quote!(1),
+    })
+}
+
+fn flattened(field: &Field, attr: ParamAttr) -> syn::Result<Member> {
+    let (ident, ty) = (&field.ident, &field.ty);
+    if attr.range.is_some() || attr.slider.is_some() || attr.unit.is_some() {
+        return Err(syn::Error::new_spanned(
+            ident,
+            "ranges and units belong to the flattened struct's fields",
+        ));
+    }
+    let count = quote!(<#ty as ::orograph_core::Params>::COUNT);
+    Ok(Member {
+        // The defaults are those of this field, which may differ from those of its type.
+        spec: quote! {
+            for (spec, default) in <#ty as ::orograph_core::Params>::specs()
+                .into_iter()
+                .zip(::orograph_core::Params::to_values(&defaults.#ident))
+            {
+                specs.push(::orograph_core::ParamSpec { default, ..spec });
+            }
+        },
+        default: match attr.default {
+            Some(default) => quote!(#default),
+            None => quote!(<#ty as ::core::default::Default>::default()),
+        },
+        read: quote!(::orograph_core::Params::from_values(&values[AT..AT + #count])?),
+        write: quote!(values.extend(::orograph_core::Params::to_values(&self.#ident));),
+        count,
     })
 }
 
@@ -96,6 +161,10 @@ fn parse(field: &Field) -> syn::Result<ParamAttr> {
     let mut found = ParamAttr::default();
     for attr in field.attrs.iter().filter(|attr| attr.path().is_ident("param")) {
         attr.parse_nested_meta(|meta| {
+            if meta.path.is_ident("flatten") {
+                found.flatten = true;
+                return Ok(());
+            }
             let value = meta.value()?;
             if meta.path.is_ident("default") {
                 found.default = Some(value.parse()?);
@@ -106,7 +175,7 @@ fn parse(field: &Field) -> syn::Result<ParamAttr> {
             } else if meta.path.is_ident("unit") {
                 found.unit = Some(value.parse()?);
             } else {
-                return Err(meta.error("expected `default`, `range`, `slider` or `unit`"));
+                return Err(meta.error("expected `default`, `range`, `slider`, `unit` or `flatten`"));
             }
             Ok(())
         })?;

@@ -64,7 +64,12 @@ fn identity(path: &Path) -> io::Result<(Digest, Duration)> {
 
 /// The digest of a file's content, read in pieces.
 pub(crate) fn digest_of_file(path: &Path) -> io::Result<Digest> {
+    digest_of(fs::File::open(path)?)
+}
+
+/// The digest of what is left to read.
+pub(crate) fn digest_of(reader: impl io::Read) -> io::Result<Digest> {
     let mut hasher = blake3::Hasher::new();
-    hasher.update_reader(fs::File::open(path)?)?;
+    hasher.update_reader(reader)?;
     Ok(Digest(*hasher.finalize().as_bytes()))
 }

@@ -21,13 +21,12 @@ pub(crate) struct TaskHost<'a> {
 
 impl<'a> TaskHost<'a> {
     pub(crate) fn new(run: &'a Run, node: NodeId) -> Self {
-        Self {
-            run,
-            node,
-            folder: OutputFolder::new(&run.request.out_dir),
-            warnings: Mutex::default(),
-            written: Arc::default(),
-        }
+        Self { run, node, folder: run.folder.clone(), warnings: Mutex::default(), written: Arc::default() }
+    }
+
+    /// The node's error as the user meets it.
+    pub(crate) fn located(&self, error: Error) -> Error {
+        self.folder.located(error)
     }
 
     /// What the node said and wrote.

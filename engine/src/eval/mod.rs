@@ -5,9 +5,11 @@
 //! inputs are asked for, and the *action* key follows from their content digests: a hit there is early cutoff.
 //! Only then does the node run. No thread ever blocks on a node: one that waits is a line in a table.
 
+mod call;
 mod cancel;
 mod explain;
 mod host;
+mod in_flight;
 mod key;
 mod output;
 mod plan;
@@ -32,7 +34,8 @@ use crate::{
     cache::Cache,
     graph::{Graph, NodeId, OutputRef},
 };
-use run::{InFlight, Run};
+use in_flight::InFlight;
+use run::Run;
 
 /// Evaluates graphs on one thread pool over one cache; any number of runs may be under way.
 pub struct Evaluator {
@@ -85,6 +88,20 @@ impl Request {
             out_dir: PathBuf::from("out"),
             history: None,
         }
+    }
+
+    /// The nodes that the request depends on, inputs first.
+    pub(crate) fn wanted(&self) -> Vec<NodeId> {
+        let graph = &self.graph;
+        let mut wanted = vec![false; graph.nodes().len()];
+        let mut stack: Vec<NodeId> = self.outputs.iter().map(|output| output.node).collect();
+        stack.extend(&self.writers);
+        while let Some(id) = stack.pop() {
+            if !std::mem::replace(&mut wanted[id.index()], true) {
+                stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
+            }
+        }
+        graph.order().iter().copied().filter(|id| wanted[id.index()]).collect()
     }
 }
 

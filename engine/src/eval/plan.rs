@@ -1,6 +1,6 @@
 //! A look ahead: what a run would find and what it would have to compute.
 
-use super::{Evaluator, Request, key::keys_of, output::OutputFolder, run::wanted_nodes};
+use super::{Evaluator, Request, key::keys_of, output::OutputFolder};
 use crate::{cache::Tier, graph::NodeId};
 
 /// What a run would do with a node.
@@ -19,7 +19,7 @@ impl Evaluator {
     #[must_use]
     pub fn plan(&self, request: &Request) -> Vec<(NodeId, Planned)> {
         let graph = &request.graph;
-        let wanted = wanted_nodes(request);
+        let wanted = request.wanted();
         let keys = keys_of(graph, &wanted, request.context, self.cache());
         let folder = OutputFolder::new(&request.out_dir);
         let mut needed = vec![false; graph.nodes().len()];

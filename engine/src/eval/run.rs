@@ -1,8 +1,6 @@
 //! One run: worker tasks on the pool that take ready nodes from the table until none is left.
 
 use std::{
-    any::Any,
-    panic::{AssertUnwindSafe, catch_unwind},
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak},
     time::{Duration, Instant},
 };
@@ -11,6 +9,7 @@ use orograph_core::{Digest, Error, Job, NodeSpec, Slot, Value};
 
 use super::{
     CancelToken, Request, Shared,
+    call::call,
     explain::{History, Print},
     host::TaskHost,
     key::{NodeKey, keys_of, visible_context},
@@ -23,38 +22,11 @@ use crate::{
     graph::{Action, GraphNode, NodeId, OutputRef},
 };
 
-/// Computations under way in this process, with those who wait for them.
-#[derive(Default)]
-pub(crate) struct InFlight(Mutex<DigestMap<Vec<Waiter>>>);
-
-/// A node of a run.
-type Waiter = (Weak<Run>, u32);
-
-impl InFlight {
-    /// Whether the caller is to compute `key`; otherwise it is told when someone else has.
-    fn claim(&self, key: Digest, run: &Weak<Run>, node: u32) -> bool {
-        let mut table = self.0.lock().unwrap_or_else(PoisonError::into_inner);
-        match table.entry(key) {
-            std::collections::hash_map::Entry::Vacant(entry) => {
-                entry.insert(Vec::new());
-                true
-            }
-            std::collections::hash_map::Entry::Occupied(mut entry) => {
-                entry.get_mut().push((Weak::clone(run), node));
-                false
-            }
-        }
-    }
-
-    fn release(&self, key: &Digest) -> Vec<Waiter> {
-        self.0.lock().unwrap_or_else(PoisonError::into_inner).remove(key).unwrap_or_default()
-    }
-}
-
 /// One run.
 pub(crate) struct Run {
     pub(crate) shared: Arc<Shared>,
     pub(crate) request: Request,
+    pub(crate) folder: OutputFolder,
     pub(crate) cancel: CancelToken,
     observer: Arc<dyn Observer>,
     /// The nodes that the targets depend on, inputs first.
@@ -75,7 +47,7 @@ impl Run {
         observer: Arc<dyn Observer>,
         cancel: CancelToken,
     ) -> Arc<Self> {
-        let wanted = wanted_nodes(&request);
+        let wanted = request.wanted();
         let keys = keys_of(&request.graph, &wanted, request.context, &shared.cache);
         let mut first = DigestMap::with_capacity_and_hasher(wanted.len(), Default::default());
         let mut stand_in: Vec<u32> = (0..keys.len() as u32).collect();
@@ -86,9 +58,11 @@ impl Run {
         }
         let history = History::load(request.history.as_deref(), &shared.cache);
         let state = Mutex::new(State::new(keys.len()));
+        let folder = OutputFolder::new(&request.out_dir);
         Arc::new_cyclic(|me| Self {
             shared,
             request,
+            folder,
             cancel,
             observer,
             wanted,
@@ -227,7 +201,8 @@ impl Run {
         let begun = Instant::now();
         let host = TaskHost::new(self, NodeId(node));
         let context = visible_context(self.node(node), self.request.context);
-        let result = run_node(self.node(node), slots, &Job::new(&host, context));
+        let result =
+            call(self.node(node), slots, &Job::new(&host, context)).map_err(|error| host.located(error));
         let micros = u64::try_from(begun.elapsed().as_micros()).unwrap_or(u64::MAX);
         let values = match result {
             Ok(values) => values,
@@ -399,8 +374,13 @@ impl Run {
         if record.outputs.len() != spec.outputs.len() {
             return None;
         }
-        let in_place = !spec.writes || OutputFolder::new(&self.request.out_dir).holds(&record.files);
-        in_place.then_some((record, tier))
+        if spec.writes {
+            if !self.folder.holds(&record.files) {
+                return None;
+            }
+            self.folder.sweep_beside(&record.files);
+        }
+        Some((record, tier))
     }
 
     /// Lets a recipe find what its action found.
@@ -422,42 +402,4 @@ impl Drop for Run {
             }
         }
     }
-}
-
-/// The nodes that the request depends on, inputs first.
-pub(crate) fn wanted_nodes(request: &Request) -> Vec<NodeId> {
-    let graph = &request.graph;
-    let mut wanted = vec![false; graph.nodes().len()];
-    let mut stack: Vec<NodeId> = request.outputs.iter().map(|output| output.node).collect();
-    stack.extend(&request.writers);
-    while let Some(id) = stack.pop() {
-        if !std::mem::replace(&mut wanted[id.index()], true) {
-            stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
-        }
-    }
-    graph.order().iter().copied().filter(|id| wanted[id.index()]).collect()
-}
-
-fn run_node(node: &GraphNode, slots: &[Slot], job: &Job) -> Result<Vec<Value>, Error> {
-    let Action::Run { node_type, instance, .. } = &node.action else {
-        return Err(Error::invalid("this node type is unknown here", "install the plugin that supplies it"));
-    };
-    job.check()?;
-    let values = catch_unwind(AssertUnwindSafe(|| instance.run(slots, job)))
-        .unwrap_or_else(|panic| Err(Error::Panicked { message: panic_message(panic.as_ref()) }))?;
-    let promised = &node_type.spec().outputs;
-    let kept = values.len() == promised.len()
-        && values.iter().zip(promised).all(|(value, port)| value.value_type() == port.value_type);
-    if kept {
-        return Ok(values);
-    }
-    Err(Error::invalid(
-        "the node's outputs are not those that its spec declares",
-        "report it to the node's author",
-    ))
-}
-
-fn panic_message(panic: &(dyn Any + Send)) -> String {
-    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
-    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "no message".into())
 }

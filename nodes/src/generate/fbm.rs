@@ -7,9 +7,11 @@
 use orograph_core::prelude::*;
 
 use super::{
-    ground::{Ground, GroundIn, GroundOut},
-    noise::{self, Noise},
+    ground::{GroundIn, GroundOut, sample_rows},
+    noise::Noise,
+    octaves::Octaves,
 };
+use crate::Ground;
 
 /// Makes rolling hills, equally rough everywhere, by fractal noise.
 #[derive(Params, Clone, Debug)]
@@ -17,33 +19,15 @@ pub struct Fbm {
     /// How far heights may lie above and below the base; most lie within a third of it.
     #[param(default = 1000, range = 0.0..=20_000.0, slider = 0.0..=4000.0, unit = "m")]
     pub amplitude: f64,
-    /// Size of the largest forms.
-    #[param(default = 4000, range = 0.1..=10_000_000.0, slider = 50.0..=20_000.0, unit = "m")]
-    pub wavelength: f64,
-    /// Layers of ever finer forms.
-    #[param(default = 8u32, range = 1..=16, slider = 1..=12, unit = "1")]
-    pub octaves: u32,
-    /// Height of each layer relative to the one before: higher is rougher.
-    #[param(default = 0.5, range = 0.0..=1.0, slider = 0.3..=0.7, unit = "1")]
-    pub gain: f64,
-    /// How many times finer each layer is than the one before.
-    #[param(default = 2, range = 1.01..=4.0, slider = 1.7..=2.5, unit = "1")]
-    pub lacunarity: f64,
-    /// Which of all such terrains; the run's seed counts as well.
-    #[param(default = 0u32, range = 0..=4_294_967_295u32, slider = 0..=999, unit = "seed")]
-    pub seed: u32,
+    /// The layers of noise.
+    #[param(flatten)]
+    pub layers: Octaves,
     /// Mean height.
     #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
     pub base: f64,
-    /// Extent of the ground from west to east, when no grid is given.
-    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
-    pub width: f64,
-    /// Extent of the ground from north to south, when no grid is given.
-    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
-    pub height: f64,
-    /// Cells along the longer side, when neither a grid nor the run's resolution is given.
-    #[param(default = 512u32, range = 1..=65_536, slider = 64..=4096, unit = "cells")]
-    pub cells: u32,
+    /// The ground to cover.
+    #[param(flatten)]
+    pub ground: Ground,
 }
 
 impl Node for Fbm {
@@ -55,20 +39,18 @@ impl Node for Fbm {
     type Outputs = GroundOut;
 
     fn check(&self) -> Result<()> {
-        noise::check_octaves(self.wavelength, self.lacunarity, self.octaves)
+        self.layers.check()
     }
 
     fn run(&self, inputs: GroundIn<'_>, job: &Job) -> Result<GroundOut> {
         self.check()?;
-        let ground = Ground { width: self.width, height: self.height, cells: self.cells };
-        let noise =
-            Noise::new(noise::seed(job.seed(), self.seed), self.wavelength, self.lacunarity, self.octaves);
-        let gains = noise::gains(self.gain, self.octaves);
-        ground.rows(&inputs, job, |x, y, out| self.row(&noise, &gains, x, y, out))
+        let noise = self.layers.noise(job);
+        let gains = self.layers.gains();
+        sample_rows(&self.ground, &inputs, job, |x, y, out| self.row(&noise, &gains, x, y, out))
     }
 
     fn cost(&self) -> f64 {
-        10.0 * f64::from(self.octaves)
+        10.0 * f64::from(self.layers.octaves)
     }
 }
 
@@ -101,6 +83,10 @@ mod tests {
 
     use super::*;
 
+    fn waves(wavelength: f64) -> Octaves {
+        Octaves { wavelength, ..Octaves::default() }
+    }
+
     fn run(node: &Fbm, like: Option<&Heightfield>) -> Heightfield {
         node.run(GroundIn { like }, &Job::detached()).unwrap().terrain
     }
@@ -109,12 +95,13 @@ mod tests {
     fn variance_grows_with_distance_by_the_hurst_exponent() {
         for hurst in [0.4, 0.6, 0.8] {
             let node = Fbm {
-                gain: libm::pow(0.5, hurst),
-                wavelength: 2048.0,
-                octaves: 11,
-                width: 8192.0,
-                height: 8192.0,
-                cells: 1024,
+                layers: Octaves {
+                    gain: libm::pow(0.5, hurst),
+                    wavelength: 2048.0,
+                    octaves: 11,
+                    ..Octaves::default()
+                },
+                ground: Ground { width: 8192.0, height: 8192.0, cells: 1024 },
                 ..Fbm::default()
             };
             let field = run(&node, None);
@@ -135,7 +122,7 @@ mod tests {
 
     #[test]
     fn heights_are_bounded_and_centred_on_the_base() {
-        let node = Fbm { wavelength: 500.0, base: 300.0, amplitude: 100.0, ..Fbm::default() };
+        let node = Fbm { layers: waves(500.0), base: 300.0, amplitude: 100.0, ..Fbm::default() };
         let field = run(&node, None);
         let (low, high) = field.range().unwrap();
         assert!(low >= 200.0 && high <= 400.0 && high - low > 60.0, "{low} {high}");
@@ -145,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_crop_of_the_build_is_a_build_of_the_crop() {
-        let node = Fbm { cells: 300, width: 9000.7, height: 5000.3, ..Fbm::default() };
+        let node = Fbm { ground: Ground { cells: 300, width: 9000.7, height: 5000.3 }, ..Fbm::default() };
         let whole = run(&node, None);
         let crop = whole.crop(31, 77, 50, 200, &Job::detached()).unwrap();
         assert_eq!(run(&node, Some(&crop)).cells(), crop.cells());
@@ -153,8 +140,11 @@ mod tests {
 
     #[test]
     fn other_resolutions_agree_where_their_cells_coincide() {
-        let node = Fbm { width: 900.0, height: 900.0, wavelength: 400.0, ..Fbm::default() };
-        let at = |cells| run(&Fbm { cells, ..node.clone() }, None);
+        let node = Fbm { layers: waves(400.0), ..Fbm::default() };
+        let at = |cells| {
+            let ground = Ground { width: 900.0, height: 900.0, cells };
+            run(&Fbm { ground, ..node.clone() }, None)
+        };
         let (fine, coarse) = (at(300), at(100));
         let (_, high) = fine.range().unwrap();
         for row in 0..100 {
@@ -174,8 +164,8 @@ mod tests {
 
     #[test]
     fn both_seeds_count() {
-        let node = Fbm { cells: 16, ..Fbm::default() };
-        let other = run(&Fbm { seed: 1, ..node.clone() }, None);
+        let node = Fbm { ground: Ground { cells: 16, ..Ground::default() }, ..Fbm::default() };
+        let other = run(&Fbm { layers: Octaves { seed: 1, ..node.layers }, ..node.clone() }, None);
         let job = Job::new(&DetachedHost, Context { seed: 1, resolution: None });
         let run_seed = node.run(GroundIn { like: None }, &job).unwrap().terrain;
         let plain = run(&node, None);
@@ -186,7 +176,8 @@ mod tests {
 
     #[test]
     fn octaves_below_a_millimetre_are_refused() {
-        assert!(Fbm { wavelength: 1.0, octaves: 16, ..Fbm::default() }.check().is_err());
+        let layers = Octaves { octaves: 16, ..waves(1.0) };
+        assert!(Fbm { layers, ..Fbm::default() }.check().is_err());
         assert!(Fbm::default().check().is_ok());
     }
 

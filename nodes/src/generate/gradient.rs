@@ -2,7 +2,8 @@
 
 use orograph_core::prelude::*;
 
-use super::ground::{Ground, GroundIn, GroundOut};
+use super::ground::{GroundIn, GroundOut, sample_cells};
+use crate::Ground;
 
 /// Makes a plane that rises steadily in one direction.
 #[derive(Params, Clone, Debug)]
@@ -16,15 +17,9 @@ pub struct Gradient {
     /// Height at the world's origin, which is the ground's north-west corner when no grid is given.
     #[param(default = 1000, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
     pub base: f64,
-    /// Extent of the ground from west to east, when no grid is given.
-    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
-    pub width: f64,
-    /// Extent of the ground from north to south, when no grid is given.
-    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
-    pub height: f64,
-    /// Cells along the longer side, when neither a grid nor the run's resolution is given.
-    #[param(default = 512u32, range = 1..=65_536, slider = 64..=4096, unit = "cells")]
-    pub cells: u32,
+    /// The ground to cover.
+    #[param(flatten)]
+    pub ground: Ground,
 }
 
 impl Node for Gradient {
@@ -37,8 +32,7 @@ impl Node for Gradient {
 
     fn run(&self, inputs: GroundIn<'_>, job: &Job) -> Result<GroundOut> {
         let (east, north) = libm::sincos(self.direction.to_radians());
-        let ground = Ground { width: self.width, height: self.height, cells: self.cells };
-        ground.cells(&inputs, job, |x, y| self.base + self.slope * (east * x + north * y))
+        sample_cells(&self.ground, &inputs, job, |x, y| self.base + self.slope * (east * x + north * y))
     }
 }
 
@@ -49,8 +43,8 @@ mod tests {
     #[test]
     fn ground_rises_by_its_slope_in_its_direction() {
         let rise = |direction| {
-            let (width, height, cells) = (300.0, 300.0, 3);
-            let node = Gradient { direction, slope: 0.5, base: 0.0, width, height, cells };
+            let ground = Ground { width: 300.0, height: 300.0, cells: 3 };
+            let node = Gradient { direction, slope: 0.5, base: 0.0, ground };
             let out = node.run(GroundIn { like: None }, &Job::detached()).unwrap().terrain;
             (out.at(1, 2) - out.at(1, 1), out.at(0, 1) - out.at(1, 1))
         };

@@ -1,4 +1,4 @@
-//! The stretch of ground that a generator covers.
+//! Where a generator is sampled.
 //!
 //! A generator is a function of world position alone. Its grid therefore only says where that function is
 //! sampled: the same ground in fewer cells looks the same, and a crop of the grid gives a crop of the
@@ -6,6 +6,8 @@
 
 use glam::DVec2;
 use orograph_core::prelude::*;
+
+use crate::Ground;
 
 /// Inputs of a generator.
 #[derive(Inputs)]
@@ -22,66 +24,53 @@ pub struct GroundOut {
     pub terrain: Heightfield,
 }
 
-/// The part of a generator's settings that says which ground to cover.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Ground {
-    /// From west to east, in metres.
-    pub(crate) width: f64,
-    /// From north to south, in metres.
-    pub(crate) height: f64,
-    /// Along the longer side, unless the run sets a resolution.
-    pub(crate) cells: u32,
+/// The grid of `like`, or one over `ground` whose north-west corner is the world's origin and whose cells are as
+/// nearly square as whole cells allow.
+fn grid_of(ground: &Ground, like: Option<&Heightfield>, job: &Job) -> Result<Grid> {
+    if let Some(like) = like {
+        return Ok(like.grid().clone());
+    }
+    let (n, extent) = ground.longer_side(job);
+    let side = extent / f64::from(n);
+    let count = |extent: f64| ((extent / side).round() as usize).max(1);
+    let (rows, cols) = (count(ground.height), count(ground.width));
+    let cell = CellSize { x: ground.width / cols as f64, y: ground.height / rows as f64 };
+    let mut grid = Grid::new(rows, cols, cell)?;
+    grid.origin = DVec2::new(cell.x, -cell.y) / 2.0;
+    Ok(grid)
 }
 
-impl Ground {
-    /// The grid of `like`, or one whose north-west corner is the world's origin and whose cells are as
-    /// nearly square as whole cells allow.
-    fn grid(self, like: Option<&Heightfield>, job: &Job) -> Result<Grid> {
-        if let Some(like) = like {
-            return Ok(like.grid().clone());
+/// The terrain of the given heights: `fill` gets the world x of the columns, the world y of the row, and the row
+/// to write.
+pub(crate) fn sample_rows(
+    ground: &Ground,
+    inputs: &GroundIn<'_>,
+    job: &Job,
+    fill: impl Fn(&[f64], f64, &mut [f32]) + Sync,
+) -> Result<GroundOut> {
+    let grid = grid_of(ground, inputs.like, job)?;
+    let (place, n_cols) = (grid.clone(), if grid.is_empty() { 0 } else { grid.cols });
+    job.admit((n_cols as u64).saturating_mul(8), || "the columns' positions".into())?;
+    let x: Vec<f64> = (0..n_cols).map(|col| place.position(0, col).x).collect();
+    let terrain = Heightfield::build(grid, job, |row, out| {
+        fill(&x, place.position(row, 0).y, out);
+        Ok(())
+    })?;
+    Ok(GroundOut { terrain })
+}
+
+/// The terrain whose height at world position (x, y) is `height(x, y)`, in metres.
+pub(crate) fn sample_cells(
+    ground: &Ground,
+    inputs: &GroundIn<'_>,
+    job: &Job,
+    height: impl Fn(f64, f64) -> f64 + Sync,
+) -> Result<GroundOut> {
+    sample_rows(ground, inputs, job, |x, y, out| {
+        for (out, &x) in out.iter_mut().zip(x) {
+            *out = height(x, y) as f32;
         }
-        let n = job.resolution().unwrap_or(self.cells).max(1);
-        let side = self.width.max(self.height) / f64::from(n);
-        let count = |extent: f64| ((extent / side).round() as usize).max(1);
-        let (rows, cols) = (count(self.height), count(self.width));
-        let cell = CellSize { x: self.width / cols as f64, y: self.height / rows as f64 };
-        let mut grid = Grid::new(rows, cols, cell)?;
-        grid.origin = DVec2::new(cell.x, -cell.y) / 2.0;
-        Ok(grid)
-    }
-
-    /// The terrain of the given heights: `fill` gets the world x of the columns, the world y of the row,
-    /// and the row to write.
-    pub(crate) fn rows(
-        self,
-        inputs: &GroundIn<'_>,
-        job: &Job,
-        fill: impl Fn(&[f64], f64, &mut [f32]) + Sync,
-    ) -> Result<GroundOut> {
-        let grid = self.grid(inputs.like, job)?;
-        let (place, n_cols) = (grid.clone(), if grid.is_empty() { 0 } else { grid.cols });
-        job.admit((n_cols as u64).saturating_mul(8), || "the columns' positions".into())?;
-        let x: Vec<f64> = (0..n_cols).map(|col| place.position(0, col).x).collect();
-        let terrain = Heightfield::build(grid, job, |row, out| {
-            fill(&x, place.position(row, 0).y, out);
-            Ok(())
-        })?;
-        Ok(GroundOut { terrain })
-    }
-
-    /// The terrain whose height at world position (x, y) is `height(x, y)`, in metres.
-    pub(crate) fn cells(
-        self,
-        inputs: &GroundIn<'_>,
-        job: &Job,
-        height: impl Fn(f64, f64) -> f64 + Sync,
-    ) -> Result<GroundOut> {
-        self.rows(inputs, job, |x, y, out| {
-            for (out, &x) in out.iter_mut().zip(x) {
-                *out = height(x, y) as f32;
-            }
-        })
-    }
+    })
 }
 
 #[cfg(test)]
@@ -95,7 +84,7 @@ mod tests {
         let ground = Ground { width: 1000.0, height: 2000.0, cells: 10 };
         let none = GroundIn { like: None };
         let at = |resolution| Job::new(&DetachedHost, Context { seed: 0, resolution });
-        let grid = |job: &Job| ground.cells(&none, job, |x, _| x).unwrap().terrain.grid().clone();
+        let grid = |job: &Job| sample_cells(&ground, &none, job, |x, _| x).unwrap().terrain.grid().clone();
         assert_eq!(grid(&at(None)).size(), (10, 5));
         let fine = grid(&at(Some(100)));
         assert_eq!((fine.size(), fine.cell), ((100, 50), CellSize::square(20.0)));
@@ -105,7 +94,7 @@ mod tests {
     #[test]
     fn odd_ground_is_covered_exactly() {
         let ground = Ground { width: 10.0, height: 3.3, cells: 4 };
-        let grid = ground.grid(None, &Job::detached()).unwrap();
+        let grid = grid_of(&ground, None, &Job::detached()).unwrap();
         assert_eq!(grid.size(), (1, 4));
         assert_eq!(grid.cell, CellSize { x: 2.5, y: 3.3 });
     }

@@ -5,10 +5,12 @@ pub mod fbm;
 pub mod gradient;
 mod ground;
 pub mod noise;
+mod octaves;
 pub mod ridged;
 pub mod shape;
 
 pub use ground::{GroundIn, GroundOut};
+pub use octaves::Octaves;
 use orograph_core::NodeType;
 
 /// The nodes of this family.

@@ -7,9 +7,11 @@
 use orograph_core::prelude::*;
 
 use super::{
-    ground::{Ground, GroundIn, GroundOut},
-    noise::{self, Noise},
+    ground::{GroundIn, GroundOut, sample_rows},
+    noise::Noise,
+    octaves::Octaves,
 };
+use crate::Ground;
 
 /// Makes mountains with sharp crests and wide valleys, by folded fractal noise.
 #[derive(Params, Clone, Debug)]
@@ -23,33 +25,15 @@ pub struct Ridged {
     /// How far finer forms keep to the heights: 0 roughens valleys like crests, 1 leaves valleys smooth.
     #[param(default = 0.7, range = 0.0..=1.0, unit = "1")]
     pub smooth_valleys: f64,
-    /// Size of the largest forms.
-    #[param(default = 4000, range = 0.1..=10_000_000.0, slider = 50.0..=20_000.0, unit = "m")]
-    pub wavelength: f64,
-    /// Layers of ever finer forms.
-    #[param(default = 8u32, range = 1..=16, slider = 1..=12, unit = "1")]
-    pub octaves: u32,
-    /// Height of each layer relative to the one before: higher is rougher.
-    #[param(default = 0.5, range = 0.0..=1.0, slider = 0.3..=0.7, unit = "1")]
-    pub gain: f64,
-    /// How many times finer each layer is than the one before.
-    #[param(default = 2, range = 1.01..=4.0, slider = 1.7..=2.5, unit = "1")]
-    pub lacunarity: f64,
-    /// Which of all such terrains; the run's seed counts as well.
-    #[param(default = 0u32, range = 0..=4_294_967_295u32, slider = 0..=999, unit = "seed")]
-    pub seed: u32,
+    /// The layers of noise.
+    #[param(flatten)]
+    pub layers: Octaves,
     /// Height of the lowest possible valley.
     #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
     pub base: f64,
-    /// Extent of the ground from west to east, when no grid is given.
-    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
-    pub width: f64,
-    /// Extent of the ground from north to south, when no grid is given.
-    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
-    pub height: f64,
-    /// Cells along the longer side, when neither a grid nor the run's resolution is given.
-    #[param(default = 512u32, range = 1..=65_536, slider = 64..=4096, unit = "cells")]
-    pub cells: u32,
+    /// The ground to cover.
+    #[param(flatten)]
+    pub ground: Ground,
 }
 
 impl Node for Ridged {
@@ -61,20 +45,18 @@ impl Node for Ridged {
     type Outputs = GroundOut;
 
     fn check(&self) -> Result<()> {
-        noise::check_octaves(self.wavelength, self.lacunarity, self.octaves)
+        self.layers.check()
     }
 
     fn run(&self, inputs: GroundIn<'_>, job: &Job) -> Result<GroundOut> {
         self.check()?;
-        let ground = Ground { width: self.width, height: self.height, cells: self.cells };
-        let noise =
-            Noise::new(noise::seed(job.seed(), self.seed), self.wavelength, self.lacunarity, self.octaves);
-        let gains = noise::gains(self.gain, self.octaves);
-        ground.rows(&inputs, job, |x, y, out| self.row(&noise, &gains, x, y, out))
+        let noise = self.layers.noise(job);
+        let gains = self.layers.gains();
+        sample_rows(&self.ground, &inputs, job, |x, y, out| self.row(&noise, &gains, x, y, out))
     }
 
     fn cost(&self) -> f64 {
-        10.0 * f64::from(self.octaves)
+        10.0 * f64::from(self.layers.octaves)
     }
 }
 
@@ -111,6 +93,10 @@ const SPAN: usize = 1024;
 mod tests {
     use super::*;
 
+    fn waves(wavelength: f64) -> Octaves {
+        Octaves { wavelength, ..Octaves::default() }
+    }
+
     fn run(node: &Ridged, like: Option<&Heightfield>) -> Heightfield {
         node.run(GroundIn { like }, &Job::detached()).unwrap().terrain
     }
@@ -118,16 +104,15 @@ mod tests {
     #[test]
     fn one_octave_is_the_folded_noise() {
         let node = Ridged {
-            octaves: 1,
+            layers: Octaves { octaves: 1, ..waves(900.0) },
             sharpness: 0.0,
             relief: 100.0,
             base: 5.0,
-            wavelength: 900.0,
-            cells: 64,
+            ground: Ground { cells: 64, ..Ground::default() },
             ..Ridged::default()
         };
         let field = run(&node, None);
-        let noise = Noise::new(noise::seed(0, 0), 900.0, 2.0, 1);
+        let noise = Noise::new(crate::generate::noise::seed(0, 0), 900.0, 2.0, 1);
         let mut row = vec![0.0; 64];
         let x: Vec<f64> = (0..64).map(|col| field.grid().position(0, col).x).collect();
         noise.row(0, &x, field.grid().position(9, 0).y, &mut row);
@@ -144,7 +129,7 @@ mod tests {
                 smooth_valleys,
                 base: 100.0,
                 relief: 1000.0,
-                wavelength: 800.0,
+                layers: waves(800.0),
                 ..Ridged::default()
             };
             let (low, high) = run(&node, None).range().unwrap();
@@ -154,7 +139,7 @@ mod tests {
 
     #[test]
     fn smooth_valleys_are_smoother_than_crests() {
-        let node = Ridged { smooth_valleys: 1.0, wavelength: 2000.0, ..Ridged::default() };
+        let node = Ridged { smooth_valleys: 1.0, layers: waves(2000.0), ..Ridged::default() };
         let field = run(&node, None);
         let (low, high) = field.range().unwrap();
         let (mut rough, mut count) = ([0.0; 2], [0.0; 2]);
@@ -170,7 +155,7 @@ mod tests {
 
     #[test]
     fn a_crop_of_the_build_is_a_build_of_the_crop() {
-        let node = Ridged { cells: 200, ..Ridged::default() };
+        let node = Ridged { ground: Ground { cells: 200, ..Ground::default() }, ..Ridged::default() };
         let crop = run(&node, None).crop(11, 7, 100, 120, &Job::detached()).unwrap();
         assert_eq!(run(&node, Some(&crop)).cells(), crop.cells());
     }

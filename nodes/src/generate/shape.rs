@@ -2,7 +2,8 @@
 
 use orograph_core::prelude::*;
 
-use super::ground::{Ground, GroundIn, GroundOut};
+use super::ground::{GroundIn, GroundOut, sample_cells};
+use crate::Ground;
 
 /// How a hill falls from its centre to its foot.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -38,15 +39,9 @@ pub struct Shape {
     /// Height of the ground around the hill.
     #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
     pub base: f64,
-    /// Extent of the ground from west to east, when no grid is given.
-    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
-    pub width: f64,
-    /// Extent of the ground from north to south, when no grid is given.
-    #[param(default = 10_000, range = 1.0..=10_000_000.0, slider = 100.0..=100_000.0, unit = "m")]
-    pub height: f64,
-    /// Cells along the longer side, when neither a grid nor the run's resolution is given.
-    #[param(default = 512u32, range = 1..=65_536, slider = 64..=4096, unit = "cells")]
-    pub cells: u32,
+    /// The ground to cover.
+    #[param(flatten)]
+    pub ground: Ground,
 }
 
 impl Profile {
@@ -79,8 +74,7 @@ impl Node for Shape {
     type Outputs = GroundOut;
 
     fn run(&self, inputs: GroundIn<'_>, job: &Job) -> Result<GroundOut> {
-        let ground = Ground { width: self.width, height: self.height, cells: self.cells };
-        ground.cells(&inputs, job, |x, y| {
+        sample_cells(&self.ground, &inputs, job, |x, y| {
             let (dx, dy) = (x - self.center_x, y - self.center_y);
             self.base + self.rise * self.profile.at((dx * dx + dy * dy).sqrt() / self.radius)
         })
@@ -99,9 +93,7 @@ mod tests {
             radius: 40.0,
             rise: 80.0,
             base: 7.0,
-            width: 100.0,
-            height: 100.0,
-            cells: 100,
+            ground: Ground { width: 100.0, height: 100.0, cells: 100 },
             ..Shape::default()
         };
         let out = node.run(GroundIn { like: None }, &Job::detached()).unwrap().terrain;

@@ -30,7 +30,7 @@ pub struct ReadDemOut {
 
 impl Node for ReadDem {
     const ID: &'static str = "io.read_dem";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 knows feet by the number of the system, and keeps bars in names
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = ();
     type Outputs = ReadDemOut;

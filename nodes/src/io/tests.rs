@@ -128,7 +128,7 @@ fn geotiff_round_trips_in_every_variant() {
 
 #[test]
 fn georeferences_survive() {
-    let keys = "geokeys|1024:s1|1026:tmy own|3072:s32767|3075:s8|3076:s9001|3078:d29.5|3080:d-96.25,1.5";
+    let keys = "geokeys|1024:s1|1026:tmy 100 %25 own|2049:tDatum = x%7CPrimem = y%7C|3072:s32767|3075:s8|3076:s9001|3078:d29.5|3080:d-96.25,1.5";
     let cases = [
         ("EPSG:4326", [7.0, 0.001, 0.0, 46.0, 0.0, -0.002], CellSize { x: 77.0, y: 222.0 }),
         ("EPSG:3857", [7.0e5, 76.0, 0.0, 4.3e6, 0.0, -76.0], CellSize::square(61.0)),

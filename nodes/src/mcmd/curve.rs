@@ -6,7 +6,8 @@ use orograph_core::prelude::*;
 use crate::mcmd::{
     axis::Axis,
     bottom_up::bottom_up,
-    settings::{Clamp, Datum, Known, Preset, Scheme, Settings, Shape, check_levels, seed_of},
+    params::{Chance, Displacement, Flanks, LargeForms, Level, Limits, Named},
+    settings::{Known, Scheme, Settings},
     top_down::top_down,
 };
 
@@ -22,49 +23,27 @@ pub struct Curve {
     /// Samples along the profile; 2^n + 1 subdivides evenly.
     #[param(default = 257u32, range = 1..=1_048_577, slider = 17..=4097, unit = "1")]
     pub samples: u32,
-    /// Settings by name; every name but `custom` overrides l, l_bu, hurst, rt and rs below.
-    #[param(default = Preset::Custom)]
-    pub preset: Preset,
-    /// Uses the named preset's l, or your own, with the other sign. The published figures lost theirs in print.
-    #[param(default = false)]
-    pub flip_l: bool,
-    /// How heights fall off away from known cells. Above 0 they sink to the datum, below 0 they rise from it;
-    /// less than 1 makes bells, 1 cones, more than 1 sharp ridges; 0 interpolates.
-    #[param(default = 0, range = -8.0..=8.0, slider = -2.0..=2.0, unit = "1")]
-    pub l: f64,
-    /// The same for the bottom-up pass, which decides the large forms.
-    #[param(default = 0, range = -8.0..=64.0, slider = 0.0..=20.0, unit = "1")]
-    pub l_bu: f64,
-    /// Smoothness of the displacement: the profile's Hurst exponent. Less is rougher.
-    #[param(default = 0.45, range = 0.0..=1.5, slider = 0.25..=0.6, unit = "1")]
-    pub hurst: f64,
-    /// Shift of the displacement: 1 only raises, -1 only lowers, 0 does both alike.
-    #[param(default = 0, range = -2.0..=2.0, slider = -1.0..=1.0, unit = "1")]
-    pub rt: f64,
-    /// Strength of the displacement; 0 turns it off.
-    #[param(default = 0, range = 0.0..=4.0, slider = 0.0..=1.5, unit = "1")]
-    pub rs: f64,
-    /// Height that the displacement's strength refers to; 0 takes the range of the constraints.
-    #[param(default = 0, range = 0.0..=20_000.0, slider = 0.0..=4000.0, unit = "m")]
-    pub relief: f64,
-    /// Level about which l and l_bu scale heights. The published algorithm has `zero`.
-    #[param(default = Datum::Lowest)]
-    pub datum: Datum,
-    /// That level when `datum` is `level`.
-    #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
-    pub datum_level: f64,
-    /// What holds computed heights back; negative l can overshoot.
-    #[param(default = Clamp::Off)]
-    pub clamp: Clamp,
-    /// Lowest computed height when `clamp` is `levels`.
-    #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
-    pub lowest: f64,
-    /// Highest computed height when `clamp` is `levels`.
-    #[param(default = 4000, range = -20_000.0..=20_000.0, slider = 0.0..=9000.0, unit = "m")]
-    pub highest: f64,
-    /// Seed of the displacement; the run's seed counts too.
-    #[param(default = 0u64, range = 0..=4_294_967_295i64, slider = 0..=1000, unit = "seed")]
-    pub seed: u64,
+    /// Settings by name.
+    #[param(flatten)]
+    pub named: Named,
+    /// The flanks of known cells.
+    #[param(flatten)]
+    pub flanks: Flanks,
+    /// The large forms.
+    #[param(flatten)]
+    pub large_forms: LargeForms,
+    /// The random part of heights.
+    #[param(flatten)]
+    pub displacement: Displacement,
+    /// The level about which heights are scaled.
+    #[param(flatten)]
+    pub level: Level,
+    /// What holds computed heights back.
+    #[param(flatten)]
+    pub limits: Limits,
+    /// The random numbers.
+    #[param(flatten)]
+    pub chance: Chance,
 }
 
 /// Outputs of [`Curve`].
@@ -85,7 +64,7 @@ impl Node for Curve {
     type Outputs = CurveOut;
 
     fn check(&self) -> Result<()> {
-        check_levels(self.clamp, self.lowest, self.highest)?;
+        self.limits.check()?;
         match self.points.0.iter().find(|point| point[0] > self.length) {
             None => Ok(()),
             Some(point) => Err(Error::invalid(
@@ -108,16 +87,16 @@ impl Node for Curve {
             heights.cells_mut()[at] = point[1] as f32;
         }
         let known = Known::of(&heights)?;
-        let custom = Shape { l: self.l, l_bu: self.l_bu, hurst: self.hurst, rt: self.rt, rs: self.rs };
+        let custom = self.displacement.shape(self.flanks, self.large_forms);
         let settings = Settings {
             scheme: Scheme::TriangleEdge,
-            shape: self.preset.shape(custom, self.flip_l),
-            relief: known.relief(self.relief),
-            datum: known.datum(self.datum, self.datum_level),
+            shape: self.named.preset.shape(custom, self.named.flip_l),
+            relief: known.relief(self.displacement.relief),
+            datum: self.level.of(&known),
             center_gain: 1.0,
-            limits: known.limits(self.clamp, self.lowest, self.highest),
+            limits: self.limits.of(&known),
             dimensions: 1.0,
-            seed: seed_of(self.seed, job),
+            seed: self.chance.key(job),
         };
         let (cols, rows) = (Axis::new(n)?, Axis::new(1)?);
         let void = |heights: &Heightfield| heights.cells().iter().map(|height| height.is_nan()).collect();
@@ -176,7 +155,7 @@ mod tests {
     fn l_shapes_the_flanks() {
         let summit = |l: f64| Curve {
             points: [[0.0, 0.0], [500.0, 100.0], [1000.0, 0.0]].into(),
-            l,
+            flanks: Flanks { l },
             samples: 129,
             ..Curve::default()
         };

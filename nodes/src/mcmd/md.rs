@@ -4,7 +4,8 @@ use orograph_core::prelude::*;
 
 use crate::mcmd::{
     axis::Axis,
-    settings::{Clamp, Datum, Known, Preset, Scheme, Settings, Shape, check_levels, seed_of},
+    params::{Centers, Chance, Displacement, Flanks, LargeForms, Level, Limits, Named, Subdivision},
+    settings::{Known, Settings},
     top_down::top_down,
 };
 
@@ -14,52 +15,30 @@ use crate::mcmd::{
 /// stand out as spikes.
 #[derive(Params, Clone, Debug)]
 pub struct Md {
-    /// Settings by name; every name but `custom` overrides l, hurst, rt and rs below.
-    #[param(default = Preset::Custom)]
-    pub preset: Preset,
-    /// Uses the named preset's l, or your own, with the other sign. The published figures lost theirs in print.
-    #[param(default = false)]
-    pub flip_l: bool,
-    /// How the plane is subdivided.
-    #[param(default = Scheme::TriangleEdge)]
-    pub scheme: Scheme,
-    /// How heights fall off away from known cells. Above 0 they sink to the datum, below 0 they rise from it;
-    /// less than 1 makes bells, 1 cones, more than 1 sharp ridges; 0 interpolates.
-    #[param(default = 0, range = -8.0..=8.0, slider = -2.0..=2.0, unit = "1")]
-    pub l: f64,
-    /// Smoothness of the displacement: half of the surface's Hurst exponent. Less is rougher.
-    #[param(default = 0.45, range = 0.0..=1.5, slider = 0.25..=0.6, unit = "1")]
-    pub hurst: f64,
-    /// Shift of the displacement: 1 only raises, -1 only lowers, 0 does both alike.
-    #[param(default = 0, range = -2.0..=2.0, slider = -1.0..=1.0, unit = "1")]
-    pub rt: f64,
-    /// Strength of the displacement; 0 turns it off.
-    #[param(default = 0, range = 0.0..=4.0, slider = 0.0..=1.5, unit = "1")]
-    pub rs: f64,
-    /// Height that the displacement's strength refers to; 0 takes the range of the constraints.
-    #[param(default = 0, range = 0.0..=20_000.0, slider = 0.0..=4000.0, unit = "m")]
-    pub relief: f64,
-    /// Level about which l scales heights. The published algorithm has `zero`.
-    #[param(default = Datum::Lowest)]
-    pub datum: Datum,
-    /// That level when `datum` is `level`.
-    #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
-    pub datum_level: f64,
-    /// Factor on the displacement of square centres; the square root of 2 evens out the triangle-edge scheme.
-    #[param(default = 1, range = 0.0..=4.0, slider = 0.5..=2.0, unit = "1")]
-    pub center_gain: f64,
-    /// What holds computed heights back; negative l can overshoot.
-    #[param(default = Clamp::Off)]
-    pub clamp: Clamp,
-    /// Lowest computed height when `clamp` is `levels`.
-    #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
-    pub lowest: f64,
-    /// Highest computed height when `clamp` is `levels`.
-    #[param(default = 4000, range = -20_000.0..=20_000.0, slider = 0.0..=9000.0, unit = "m")]
-    pub highest: f64,
-    /// Seed of the displacement; the run's seed counts too.
-    #[param(default = 0u64, range = 0..=4_294_967_295i64, slider = 0..=1000, unit = "seed")]
-    pub seed: u64,
+    /// Settings by name.
+    #[param(flatten)]
+    pub named: Named,
+    /// The subdivision of the plane.
+    #[param(flatten)]
+    pub subdivision: Subdivision,
+    /// The flanks of known cells.
+    #[param(flatten)]
+    pub flanks: Flanks,
+    /// The random part of heights.
+    #[param(flatten)]
+    pub displacement: Displacement,
+    /// The level about which heights are scaled.
+    #[param(flatten)]
+    pub level: Level,
+    /// The displacement of centres.
+    #[param(flatten)]
+    pub centers: Centers,
+    /// What holds computed heights back.
+    #[param(flatten)]
+    pub limits: Limits,
+    /// The random numbers.
+    #[param(flatten)]
+    pub chance: Chance,
 }
 
 /// Inputs of [`Md`].
@@ -78,16 +57,16 @@ pub struct MdOut {
 
 impl Md {
     fn settings(&self, known: &Known, job: &Job<'_>) -> Settings {
-        let custom = Shape { l: self.l, l_bu: 0.0, hurst: self.hurst, rt: self.rt, rs: self.rs };
+        let custom = self.displacement.shape(self.flanks, LargeForms::default());
         Settings {
-            scheme: self.scheme,
-            shape: self.preset.shape(custom, self.flip_l),
-            relief: known.relief(self.relief),
-            datum: known.datum(self.datum, self.datum_level),
-            center_gain: self.center_gain,
-            limits: known.limits(self.clamp, self.lowest, self.highest),
+            scheme: self.subdivision.scheme,
+            shape: self.named.preset.shape(custom, self.named.flip_l),
+            relief: known.relief(self.displacement.relief),
+            datum: self.level.of(known),
+            center_gain: self.centers.center_gain,
+            limits: self.limits.of(known),
             dimensions: 2.0,
-            seed: seed_of(self.seed, job),
+            seed: self.chance.key(job),
         }
     }
 }
@@ -105,7 +84,7 @@ impl Node for Md {
     }
 
     fn check(&self) -> Result<()> {
-        check_levels(self.clamp, self.lowest, self.highest)
+        self.limits.check()
     }
 
     fn run(&self, inputs: MdIn<'_>, job: &Job) -> Result<MdOut> {

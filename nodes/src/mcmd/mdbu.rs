@@ -6,7 +6,8 @@ use orograph_core::prelude::*;
 use crate::mcmd::{
     axis::Axis,
     bottom_up::bottom_up,
-    settings::{Clamp, Datum, Known, Scheme, Settings, Shape, check_levels},
+    params::{LargeForms, Level, Limits, Subdivision},
+    settings::{Known, Settings, Shape},
 };
 
 /// Tells the ascendants of known cells what is known below them: the first pass of MCMD.
@@ -14,27 +15,18 @@ use crate::mcmd::{
 /// Known cells keep their heights to the bit; cells that are no ascendant of any stay voids.
 #[derive(Params, Clone, Debug)]
 pub struct Mdbu {
-    /// How the plane is subdivided.
-    #[param(default = Scheme::TriangleEdge)]
-    pub scheme: Scheme,
-    /// How heights fall off away from known cells, as in `mcmd.mcmd`.
-    #[param(default = 0, range = -8.0..=64.0, slider = 0.0..=20.0, unit = "1")]
-    pub l_bu: f64,
-    /// Level about which l_bu scales heights. The published algorithm has `zero`.
-    #[param(default = Datum::Lowest)]
-    pub datum: Datum,
-    /// That level when `datum` is `level`.
-    #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
-    pub datum_level: f64,
+    /// The subdivision of the plane.
+    #[param(flatten)]
+    pub subdivision: Subdivision,
+    /// The large forms.
+    #[param(flatten)]
+    pub large_forms: LargeForms,
+    /// The level about which heights are scaled.
+    #[param(flatten)]
+    pub level: Level,
     /// What holds computed heights back.
-    #[param(default = Clamp::Off)]
-    pub clamp: Clamp,
-    /// Lowest computed height when `clamp` is `levels`.
-    #[param(default = 0, range = -20_000.0..=20_000.0, slider = -500.0..=4000.0, unit = "m")]
-    pub lowest: f64,
-    /// Highest computed height when `clamp` is `levels`.
-    #[param(default = 4000, range = -20_000.0..=20_000.0, slider = 0.0..=9000.0, unit = "m")]
-    pub highest: f64,
+    #[param(flatten)]
+    pub limits: Limits,
 }
 
 /// Inputs of [`Mdbu`].
@@ -65,18 +57,18 @@ impl Node for Mdbu {
     }
 
     fn check(&self) -> Result<()> {
-        check_levels(self.clamp, self.lowest, self.highest)
+        self.limits.check()
     }
 
     fn run(&self, inputs: MdbuIn<'_>, job: &Job) -> Result<MdbuOut> {
         let known = Known::of(inputs.constraints)?;
         let settings = Settings {
-            scheme: self.scheme,
-            shape: Shape { l: 0.0, l_bu: self.l_bu, hurst: 0.0, rt: 0.0, rs: 0.0 },
+            scheme: self.subdivision.scheme,
+            shape: Shape { l: 0.0, l_bu: self.large_forms.l_bu, hurst: 0.0, rt: 0.0, rs: 0.0 },
             relief: 1.0,
-            datum: known.datum(self.datum, self.datum_level),
+            datum: self.level.of(&known),
             center_gain: 1.0,
-            limits: known.limits(self.clamp, self.lowest, self.highest),
+            limits: self.limits.of(&known),
             dimensions: 2.0,
             seed: 0,
         };

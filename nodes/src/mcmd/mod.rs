@@ -9,6 +9,7 @@ pub(crate) mod extent;
 pub mod mcmd;
 pub mod md;
 pub mod mdbu;
+pub mod params;
 pub mod random_decimate;
 pub(crate) mod raster_line;
 #[cfg(test)]

@@ -7,7 +7,8 @@ use orograph_core::{key, mix64, signed_unit};
 
 use crate::mcmd::{
     mcmd::{Mcmd, McmdIn},
-    settings::{Scheme, Shape, falloff},
+    params::{Centers, Chance, Displacement, Flanks, LargeForms, Limits, Subdivision},
+    settings::{Scheme, falloff},
 };
 use crate::test_fields::field;
 
@@ -82,8 +83,7 @@ fn brute_force(
 ) -> (Vec<f32>, u64, usize) {
     let (rows, cols) = constraints.grid().size();
     let (xs, ys) = (axis(cols), axis(rows));
-    let custom = Shape { l: node.l, l_bu: node.l_bu, hurst: node.hurst, rt: node.rt, rs: node.rs };
-    let shape = node.preset.shape(custom, node.flip_l);
+    let shape = node.displacement.shape(node.flanks, node.large_forms);
     let range = constraints.range();
     let datum = range.map_or(0.0, |range| f64::from(range.0));
     let relief = range.map_or(1.0, |(low, high)| f64::from(high) - f64::from(low));
@@ -105,7 +105,7 @@ fn brute_force(
         order(&mut queue);
         let mut told: BTreeMap<(usize, usize), Vec<Cell>> = BTreeMap::new();
         for &cell in &queue {
-            for (x, y) in ascendants(node.scheme, &xs, &ys, cell).1 {
+            for (x, y) in ascendants(node.subdivision.scheme, &xs, &ys, cell).1 {
                 if heights[index((x, y))].is_nan() {
                     told.entry((y, x)).or_default().push(cell);
                 }
@@ -121,7 +121,7 @@ fn brute_force(
     let known: Vec<f32> = heights.iter().copied().filter(|height| !height.is_nan()).collect();
 
     // One node seed of 0 and a run seed of 0: what the tests below run with.
-    let noise = |(x, y): Cell| signed_unit(key(mix64(node.seed), 0x6D63_6D64, x as i64, y as i64));
+    let noise = |(x, y): Cell| signed_unit(key(mix64(node.chance.seed), 0x6D63_6D64, x as i64, y as i64));
     let by_row: Vec<f64> = heights
         .chunks(cols)
         .map(|row| row.iter().filter(|height| !height.is_nan()).fold(0.0, |sum, &h| sum + f64::from(h)))
@@ -136,14 +136,16 @@ fn brute_force(
     }
     let mut cells: Vec<(usize, bool, Cell)> = all
         .iter()
-        .map(|&cell| (ascendants(node.scheme, &xs, &ys, cell).0, xs.0[cell.0] != ys.0[cell.1], cell))
+        .map(|&cell| {
+            (ascendants(node.subdivision.scheme, &xs, &ys, cell).0, xs.0[cell.0] != ys.0[cell.1], cell)
+        })
         .collect();
     cells.sort_by_key(|&(level, edge, (x, y))| (level, edge, y, x));
     for (level, edge, cell) in cells {
         if heights[index(cell)].is_nan() {
-            let (_, from) = ascendants(node.scheme, &xs, &ys, cell);
+            let (_, from) = ascendants(node.subdivision.scheme, &xs, &ys, cell);
             let sum: f64 = from.iter().map(|&other| alpha(heights[index(other)], other, cell, shape.l)).sum();
-            let gain = if edge { 1.0 } else { node.center_gain };
+            let gain = if edge { 1.0 } else { node.centers.center_gain };
             let unit = shape.rs * relief * libm::pow(2.0, -(level as f64) * 2.0 * shape.hurst) * gain;
             let shift = if shape.rs == 0.0 { 0.0 } else { (noise(cell) + shape.rt) * unit };
             heights[index(cell)] = (sum / from.len() as f64 + shift) as f32;
@@ -177,6 +179,10 @@ fn scattered(rows: usize, cols: usize, seed: u64) -> Heightfield {
     })
 }
 
+fn rough(rs: f64) -> Displacement {
+    Displacement { rs, ..Displacement::default() }
+}
+
 fn settings() -> Vec<Mcmd> {
     let mut all = Vec::new();
     for scheme in [Scheme::TriangleEdge, Scheme::DiamondSquare] {
@@ -184,7 +190,15 @@ fn settings() -> Vec<Mcmd> {
             [(0.0, 0.0, 0.0, 0.0), (-0.4, 6.0, 0.0, 0.25), (1.0, 0.0, -0.9, 0.0), (0.0, -1.0, 1.0, 1.0)]
         {
             let center_gain = if rs > 0.5 { 1.5 } else { 1.0 };
-            all.push(Mcmd { scheme, l, l_bu, rt, rs, center_gain, seed: 7, ..Mcmd::default() });
+            all.push(Mcmd {
+                subdivision: Subdivision { scheme },
+                flanks: Flanks { l },
+                large_forms: LargeForms { l_bu },
+                displacement: Displacement { rt, rs, ..Displacement::default() },
+                centers: Centers { center_gain },
+                chance: Chance { seed: 7 },
+                ..Mcmd::default()
+            });
         }
     }
     all
@@ -261,7 +275,7 @@ fn corners_on_a_plane_give_the_plane_exactly() {
 #[test]
 fn empty_infinite_and_unconstrained_inputs_are_met() {
     let job = Job::detached();
-    let node = Mcmd { rs: 0.5, ..Mcmd::default() };
+    let node = Mcmd { displacement: rough(0.5), ..Mcmd::default() };
     let none = field(0, 0, |_, _| 0.0);
     assert!(matches!(node.run(McmdIn { constraints: &none }, &job), Err(Error::EmptyInput { .. })));
     let infinite = field(2, 3, |row, _| if row == 1 { f64::INFINITY } else { 0.0 });
@@ -278,7 +292,12 @@ fn empty_infinite_and_unconstrained_inputs_are_met() {
 fn a_clamp_holds_computed_heights_alone() {
     use crate::mcmd::settings::Clamp;
     let constraints = scattered(64, 64, 8);
-    let node = Mcmd { l: -1.0, rs: 2.0, clamp: Clamp::Levels, lowest: -1.0, highest: 1.0, ..Mcmd::default() };
+    let node = Mcmd {
+        flanks: Flanks { l: -1.0 },
+        displacement: rough(2.0),
+        limits: Limits { clamp: Clamp::Levels, lowest: -1.0, highest: 1.0 },
+        ..Mcmd::default()
+    };
     let (heights, _) = run(&node, &constraints);
     for (&height, &known) in heights.iter().zip(constraints.cells()) {
         assert!(if known.is_nan() { height.abs() <= 1.0 } else { known.to_bits() == height.to_bits() });

@@ -1,4 +1,4 @@
-//! What the nodes of this family have in common: scheme, shape, presets, datum and clamp.
+//! What the nodes of this family have in common: schemes, presets, what is known, falloff.
 
 use orograph_core::mix64;
 use orograph_core::prelude::*;
@@ -173,36 +173,11 @@ impl Known {
             (false, false) => 1.0,
         }
     }
-
-    pub(crate) fn datum(&self, choice: Datum, level: f64) -> f64 {
-        match choice {
-            Datum::Lowest => self.range.map_or(0.0, |(low, _)| f64::from(low)),
-            Datum::Zero => 0.0,
-            Datum::Level => level,
-        }
-    }
-
-    pub(crate) fn limits(&self, clamp: Clamp, lowest: f64, highest: f64) -> Option<(f64, f64)> {
-        match clamp {
-            Clamp::Off => None,
-            Clamp::Constraints => self.range.map(|(low, high)| (f64::from(low), f64::from(high))),
-            Clamp::Levels => Some((lowest, highest)),
-        }
-    }
 }
 
 /// A node's own seed and the run's, as one.
 pub(crate) fn seed_of(own: u64, job: &Job<'_>) -> u64 {
     mix64(own) ^ job.seed()
-}
-
-/// # Errors
-/// [`Error::Invalid`] when levels cross.
-pub(crate) fn check_levels(clamp: Clamp, lowest: f64, highest: f64) -> Result<()> {
-    if clamp != Clamp::Levels || lowest <= highest {
-        return Ok(());
-    }
-    Err(Error::invalid(format!("`lowest` ({lowest} m) lies above `highest` ({highest} m)"), "swap them"))
 }
 
 /// The factor of equation (2) of the paper for a distance that is `share` of the diagonal.

@@ -2,7 +2,10 @@
 
 use orograph_core::prelude::*;
 
-use crate::mcmd::{extent::extent, raster_line::line};
+use crate::{
+    Ground,
+    mcmd::{extent::extent, raster_line::line},
+};
 
 /// What the coordinates of lines mean.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,15 +49,9 @@ pub struct Sketch {
     /// What becomes of the heights of `like`.
     #[param(default = Base::Ignore)]
     pub base: Base,
-    /// Width of the ground when neither `like` nor a picture is connected.
-    #[param(default = 10_000, range = 0.001..=10_000_000.0, slider = 1000.0..=100_000.0, unit = "m")]
-    pub width: f64,
-    /// Height of the ground, from south to north, in the same case.
-    #[param(default = 10_000, range = 0.001..=10_000_000.0, slider = 1000.0..=100_000.0, unit = "m")]
-    pub height: f64,
-    /// Cells along the longer side in the same case; the run's resolution overrides it.
-    #[param(default = 513u32, range = 1..=65_537, slider = 65..=4097, unit = "cells")]
-    pub cells: u32,
+    /// The ground to cover.
+    #[param(flatten, default = Ground { cells: 513, ..Ground::default() })]
+    pub ground: Ground,
 }
 
 /// Inputs of [`Sketch`].
@@ -84,7 +81,7 @@ impl Node for Sketch {
     fn run(&self, inputs: SketchIn<'_>, job: &Job) -> Result<SketchOut> {
         let grid = match (inputs.like, inputs.picture) {
             (Some(field), _) | (None, Some(field)) => field.grid().clone(),
-            (None, None) => extent(self.width, self.height, self.cells, job)?,
+            (None, None) => extent(&self.ground, job)?,
         };
         let mut constraints = match inputs.like {
             Some(like) if self.base == Base::Under => like.map(job, |height| height)?,
@@ -181,7 +178,8 @@ mod tests {
     #[test]
     fn heights_run_evenly_along_lines() {
         let lines = vec![vec![[0.0, 0.5, 10.0], [1.0, 0.5, 50.0]], vec![[0.5, 0.0, 7.0]]].into();
-        let node = Sketch { lines, width: 50.0, height: 30.0, cells: 5, ..Sketch::default() };
+        let node =
+            Sketch { lines, ground: Ground { width: 50.0, height: 30.0, cells: 5 }, ..Sketch::default() };
         let out = run(&node, None, None);
         assert_eq!(out.grid().size(), (3, 5));
         let expected = [(0, 2, 7.0), (1, 0, 10.0), (1, 1, 20.0), (1, 2, 30.0), (1, 3, 40.0), (1, 4, 50.0)];

@@ -6,6 +6,7 @@ use orograph_core::prelude::*;
 
 use crate::mcmd::{
     mcmd::{Mcmd, McmdIn},
+    params::{Chance, Displacement, Subdivision},
     settings::Scheme,
 };
 use crate::test_fields::field;
@@ -75,7 +76,12 @@ fn the_spectrum_falls_as_h_says() {
     for scheme in [Scheme::TriangleEdge, Scheme::DiamondSquare] {
         for hurst in [0.25, 0.35, 0.45, 0.5] {
             let of = |seed| {
-                let node = Mcmd { scheme, hurst, rs: 0.5, relief: 1000.0, seed, ..Mcmd::default() };
+                let node = Mcmd {
+                    subdivision: Subdivision { scheme },
+                    displacement: Displacement { hurst, rt: 0.0, rs: 0.5, relief: 1000.0 },
+                    chance: Chance { seed },
+                    ..Mcmd::default()
+                };
                 exponent(&node.run(McmdIn { constraints: &corners }, &Job::detached()).unwrap().terrain)
             };
             let mean = (1..=3).map(of).sum::<f64>() / 3.0;

@@ -7,12 +7,17 @@
 
 use orograph_core::{Unit, prelude::*};
 
-use super::sums::{Moments, per_row};
+use super::{
+    rim::rim,
+    slope_distance::slope_distance,
+    sums::{Moments, per_row},
+};
 
-/// Measures a terrain against a reference: errors, roughness and exactness at known cells.
+/// Measures a terrain against a reference: errors, roughness, slopes and exactness at known cells.
 ///
 /// Errors are taken over the cells that both terrains know, inside the mask where there is one. Cells that
-/// only the reference knows are counted as missing. A metric without any cell is NaN.
+/// only the reference knows are counted as missing. `slope_w1` is the Wasserstein-1 distance of the slopes in bins of
+/// 1°: 0 where both are equally steep. A metric without any cell is NaN.
 #[derive(Params, Clone, Debug)]
 pub struct Compare {
     /// Half the breadth of the band along the mask's edge over which roughness at the rim is measured.
@@ -42,7 +47,7 @@ pub struct CompareOut {
 
 impl Node for Compare {
     const ID: &'static str = "measure.compare";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 adds slope_w1
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = CompareIn<'a>;
     type Outputs = CompareOut;
@@ -60,7 +65,13 @@ impl Node for Compare {
         refuse_infinite("reference", inputs.reference)?;
 
         let errors = Errors::of(&inputs, job)?;
-        let roughness = |rim: bool| self.roughness_ratio(&inputs, rim, job);
+        let CompareIn { terrain, reference, mask, .. } = inputs;
+        let rim = mask.map(|mask| rim(mask, self.rim as usize, job)).transpose()?;
+        let roughness_at_rim = match &rim {
+            Some(rim) => roughness_ratio(terrain, reference, Some(rim), job)?,
+            None => f64::NAN,
+        };
+        let apart = slope_distance(terrain, reference, |row, col| inside(mask, row, col), job)?;
         let (known, kept) = exactness(inputs.terrain, inputs.known);
         let share = |part: usize, whole: usize| 100.0 * part as f64 / whole as f64;
         let metrics = [
@@ -69,8 +80,9 @@ impl Node for Compare {
             ("max_error", Unit::Metre, errors.largest),
             ("bias", Unit::Metre, errors.sum / errors.count as f64),
             ("rmse_of_relief", Unit::Percent, 100.0 * errors.rmse() / (errors.high - errors.low)),
-            ("roughness_ratio", Unit::One, roughness(false)?),
-            ("roughness_ratio_rim", Unit::One, roughness(true)?),
+            ("roughness_ratio", Unit::One, roughness_ratio(terrain, reference, mask, job)?),
+            ("roughness_ratio_rim", Unit::One, roughness_at_rim),
+            ("slope_w1", Unit::Degree, apart),
             ("cells", Unit::Cell, errors.count as f64),
             ("missing", Unit::Cell, errors.missing as f64),
             ("known_cells", Unit::Cell, known as f64),
@@ -81,36 +93,26 @@ impl Node for Compare {
     }
 }
 
-impl Compare {
-    /// Roughness of the terrain relative to the reference, inside the mask or along its edge; NaN along the
-    /// edge of no mask.
-    fn roughness_ratio(&self, inputs: &CompareIn<'_>, rim: bool, job: &Job) -> Result<f64> {
-        let CompareIn { terrain, reference, mask, .. } = *inputs;
-        if rim && mask.is_none() {
-            return Ok(f64::NAN);
-        }
-        let (rows, cols) = terrain.grid().size();
-        let reach = self.rim as usize;
-        let deviation = |of_terrain: bool| {
-            let each = |row: usize, hear: &mut dyn FnMut(f64)| {
-                for col in 0..cols {
-                    let counts = match mask {
-                        Some(mask) if rim => at_rim(mask, row, col, reach),
-                        _ => inside(mask, row, col),
-                    };
-                    if !counts {
-                        continue;
-                    }
-                    let pair = (laplacian(terrain, row, col), laplacian(reference, row, col));
-                    if let (Some(own), Some(true_one)) = pair {
-                        hear(if of_terrain { own } else { true_one });
-                    }
+/// Roughness of the terrain relative to the reference, inside the mask.
+fn roughness_ratio(
+    terrain: &Heightfield,
+    reference: &Heightfield,
+    mask: Option<&Mask>,
+    job: &Job,
+) -> Result<f64> {
+    let (rows, cols) = terrain.grid().size();
+    let deviation = |of_terrain: bool| {
+        let each = |row: usize, hear: &mut dyn FnMut(f64)| {
+            for col in (0..cols).filter(|&col| inside(mask, row, col)) {
+                let pair = (laplacian(terrain, row, col), laplacian(reference, row, col));
+                if let (Some(own), Some(true_one)) = pair {
+                    hear(if of_terrain { own } else { true_one });
                 }
-            };
-            Moments::of(rows, job, each).map(|moments| moments.deviation)
+            }
         };
-        Ok(deviation(true)? / deviation(false)?)
-    }
+        Moments::of(rows, job, each).map(|moments| moments.deviation)
+    };
+    Ok(deviation(true)? / deviation(false)?)
 }
 
 fn refuse_infinite(what: &str, field: &Heightfield) -> Result<()> {
@@ -121,13 +123,6 @@ fn refuse_infinite(what: &str, field: &Heightfield) -> Result<()> {
 
 fn inside(mask: Option<&Mask>, row: usize, col: usize) -> bool {
     mask.is_none_or(|mask| mask.at(row, col) >= 0.5)
-}
-
-/// Whether the window of `reach` cells to each side holds cells inside and outside the mask.
-fn at_rim(mask: &Mask, row: usize, col: usize, reach: usize) -> bool {
-    let own = inside(Some(mask), row, col);
-    let span = |at: usize, n: usize| at.saturating_sub(reach)..=at.saturating_add(reach).min(n - 1);
-    span(row, mask.rows()).any(|r| span(col, mask.cols()).any(|c| inside(Some(mask), r, c) != own))
 }
 
 /// Curvature in 1/m from a cell and its four neighbours; `None` where one of them is void or outside.

@@ -2,7 +2,9 @@
 
 pub mod append;
 pub mod compare;
+mod rim;
 pub mod slope;
+mod slope_distance;
 pub mod statistics;
 mod sums;
 

@@ -7,6 +7,7 @@ use orograph_nodes::{
     io::read_dem::ReadDem,
     mcmd::{
         mcmd::{Mcmd, McmdIn},
+        params::Subdivision,
         random_decimate::{RandomDecimate, RandomDecimateIn},
         settings::{Preset, Scheme},
     },
@@ -50,7 +51,7 @@ fn reconstructs(path: &Path, stated: f64) -> Result<(), String> {
         if kept != (KEEP * terrain.grid().len() as f64 - 1e-9).ceil() as usize {
             return Err(format!("{kept} cells were kept"));
         }
-        let plain = Mcmd { preset: Preset::Reconstruct, ..Mcmd::default() };
+        let plain = Mcmd { named: Preset::Reconstruct.into(), ..Mcmd::default() };
         let out = plain.run(McmdIn { constraints: &constraints }, &job).map_err(said)?.terrain;
         let touched = constraints.cells().iter().zip(out.cells());
         if touched.clone().any(|(known, height)| !known.is_nan() && known.to_bits() != height.to_bits()) {
@@ -58,7 +59,7 @@ fn reconstructs(path: &Path, stated: f64) -> Result<(), String> {
         }
         errors.push(rmse(&out, &terrain, &constraints));
         if seed == 1 {
-            let squares = Mcmd { scheme: Scheme::DiamondSquare, ..plain };
+            let squares = Mcmd { subdivision: Subdivision { scheme: Scheme::DiamondSquare }, ..plain };
             let out = squares.run(McmdIn { constraints: &constraints }, &job).map_err(said)?.terrain;
             let ratio = rmse(&out, &terrain, &constraints) / errors[0];
             if !(0.9..1.01).contains(&ratio) {

@@ -33,7 +33,11 @@ impl Sheets<'_> {
     /// Writes `sweep.csv`, `sweep.json` and the sheets into the folder, and names them.
     pub(crate) fn write(&self, folder: &Path, thumbnail: u32, table: &Table) -> Result<Vec<String>> {
         let host = FolderHost(OutputFolder::new(folder));
-        let job = Job::new(&host, Context::default());
+        self.write_into(&host, thumbnail, table).map_err(|error| host.0.located(error))
+    }
+
+    fn write_into(&self, host: &FolderHost, thumbnail: u32, table: &Table) -> Result<Vec<String>> {
+        let job = Job::new(host, Context::default());
         let mut files = Vec::new();
         for file in ["sweep.csv", "sweep.json"] {
             let writer = WriteTable { file: OutputPath(file.into()), ..WriteTable::default() };

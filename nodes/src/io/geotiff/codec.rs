@@ -1,4 +1,4 @@
-//! Compression of strips and tiles: none, deflate (both codes) and LZW.
+//! Compression of strips and tiles: none, deflate (both codes), LZW and PackBits.
 
 use std::cell::RefCell;
 
@@ -12,6 +12,7 @@ pub(super) enum Packing {
     None,
     Lzw,
     Deflate,
+    PackBits,
 }
 
 impl Packing {
@@ -21,12 +22,12 @@ impl Packing {
             1 => Ok(Self::None),
             5 => Ok(Self::Lzw),
             8 | 32946 => Ok(Self::Deflate),
+            32773 => Ok(Self::PackBits),
             other => Err(match other {
                 2 => "CCITT RLE",
                 3 => "CCITT group 3 fax",
                 4 => "CCITT group 4 fax",
                 6 | 7 => "JPEG",
-                32773 => "PackBits",
                 34712 => "JPEG 2000",
                 34887 => "LERC",
                 34925 => "LZMA",
@@ -40,12 +41,13 @@ impl Packing {
     }
 
     /// The most bytes that `packed` bytes can unpack to: deflate codes at best 258 bytes in 2 bits, LZW a
-    /// 4 KiB phrase in 9 bits. A header that promises more lies, and no memory is taken for it.
+    /// 4 KiB phrase in 9 bits, PackBits 128 bytes in two. A header that promises more lies, and no memory is taken for it.
     pub(super) fn most(self, packed: usize) -> usize {
         match self {
             Self::None => packed,
             Self::Lzw => packed.saturating_mul(4096),
             Self::Deflate => packed.saturating_mul(1032),
+            Self::PackBits => packed.saturating_mul(64),
         }
     }
 
@@ -60,6 +62,7 @@ impl Packing {
             }
             Self::Lzw => unpack_lzw(packed, out),
             Self::Deflate => inflate(packed, out),
+            Self::PackBits => unpack_bits(packed, out),
         }
     }
 }
@@ -113,6 +116,29 @@ fn unpack_lzw(packed: &[u8], out: &mut [u8]) -> bool {
     made == out.len()
 }
 
+/// Runs after TIFF 6, section 9: a count n of 0..=127 is followed by n + 1 bytes as they are, one of -127..=-1 by a
+/// byte that stands 1 - n times; -128 means nothing.
+fn unpack_bits(packed: &[u8], out: &mut [u8]) -> bool {
+    let (mut packed, mut out) = (packed, out);
+    while !out.is_empty() {
+        let Some((&count, rest)) = packed.split_first() else { return false };
+        let (len, used) = match count as i8 {
+            count @ 0.. => (count as usize + 1, count as usize + 1),
+            -128 => (0, 0),
+            count => (1 + usize::from(count.unsigned_abs()), 1),
+        };
+        let Some(bytes) = rest.get(..used) else { return false };
+        // The last run may go beyond what the image needs.
+        let (run, beyond) = out.split_at_mut(len.min(out.len()));
+        match bytes {
+            [byte] => run.fill(*byte),
+            bytes => run.copy_from_slice(&bytes[..run.len()]),
+        }
+        (packed, out) = (&rest[used..], beyond);
+    }
+    true
+}
+
 /// Deflates `bytes` with a zlib header.
 pub(super) fn deflate(bytes: &[u8], level: u32) -> Vec<u8> {
     thread_local! {
@@ -145,4 +171,30 @@ pub(super) fn lzw(bytes: &[u8]) -> Vec<u8> {
     // Encoding eight-bit bytes to memory cannot fail.
     let _ = encoder.into_vec(&mut out).encode_all(bytes);
     out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The example of Apple's Technical Note 1023, which introduced the scheme.
+    #[test]
+    fn packbits_unpack_as_their_inventor_says() {
+        let packed =
+            [0xFE, 0xAA, 0x02, 0x80, 0x00, 0x2A, 0xFD, 0xAA, 0x03, 0x80, 0x00, 0x2A, 0x22, 0xF7, 0xAA];
+        let expected = [
+            0xAA, 0xAA, 0xAA, 0x80, 0x00, 0x2A, 0xAA, 0xAA, 0xAA, 0xAA, 0x80, 0x00, 0x2A, 0x22, 0xAA, 0xAA,
+            0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA, 0xAA,
+        ];
+        let mut out = [0; 24];
+        assert!(Packing::PackBits.unpack(&packed, &mut out));
+        assert_eq!(out, expected);
+        let mut short = [0; 20];
+        assert!(Packing::PackBits.unpack(&packed, &mut short));
+        assert_eq!(short, expected[..20]);
+        for end in 0..packed.len() {
+            assert!(!Packing::PackBits.unpack(&packed[..end], &mut out), "cut at {end}");
+        }
+        assert!(Packing::PackBits.unpack(&[0x80, 0x00, 7], &mut out[..1]) && out[0] == 7);
+    }
 }

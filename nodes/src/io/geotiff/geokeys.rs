@@ -1,13 +1,17 @@
 //! Georeference tags: the transform, the coordinate system's keys, and what both mean in metres.
 //!
 //! A system with an EPSG number travels as `EPSG:n`. One without travels as the text of its keys, from which
-//! the keys are written again to the bit: `geokeys|1024:s1|2057:d6378137|1026:tname`.
+//! the keys are written again to the bit: `geokeys|1024:s1|2057:d6378137|1026:tname`, with `%7C` for a bar in a name.
 
 use std::{collections::BTreeMap, fmt::Write};
 
 use orograph_core::prelude::*;
 
-use super::{ifd::Ifd, tag};
+use super::{
+    feet::{self, FOOT, SURVEY_FOOT},
+    ifd::Ifd,
+    tag,
+};
 use crate::io::ground::{MapUnit, cell_size, lies_on_globe, looks_like_degrees};
 
 const MODEL_TYPE: u16 = 1024;
@@ -27,8 +31,6 @@ const PIXEL_IS_POINT: u16 = 2;
 const USER_DEFINED: u16 = 32767;
 const METRE: u16 = 9001;
 const DEGREE: u16 = 9102;
-/// The US survey foot, in metres.
-const SURVEY_FOOT: f64 = 1200.0 / 3937.0;
 /// Begins the text of a coordinate system that has no EPSG number.
 const KEYS: &str = "geokeys";
 
@@ -114,7 +116,8 @@ impl Keys {
                     .map(|values| KeyValue::Shorts(values.iter().map(|&value| value as u16).collect())),
                 tag::GEO_DOUBLE_PARAMS => doubles.get(range).map(|values| KeyValue::Doubles(values.to_vec())),
                 tag::GEO_ASCII_PARAMS => {
-                    texts.get(range).map(|text| KeyValue::Text(text.trim_end_matches('|').into()))
+                    // The last bar ends the text; GDAL parts what it says within one by bars too.
+                    texts.get(range).map(|text| KeyValue::Text(text.strip_suffix('|').unwrap_or(text).into()))
                 }
                 _ => None,
             };
@@ -172,7 +175,7 @@ impl Keys {
         }
         let metres = match self.short(LINEAR_UNITS) {
             Some(unit) => metres_of(unit).or(self.double(LINEAR_UNIT_SIZE)),
-            None => None,
+            None => projected.and_then(feet::of_system),
         };
         (self.short(MODEL_TYPE).is_some() || projected.is_some() || metres.is_some()).then(|| {
             MapUnit::Metres(metres.filter(|metres| metres.is_finite() && *metres > 0.0).unwrap_or(1.0))
@@ -200,7 +203,9 @@ impl Keys {
             let _ = match value {
                 KeyValue::Shorts(values) => write!(text, "|{key}:s{}", joined(values)),
                 KeyValue::Doubles(values) => write!(text, "|{key}:d{}", joined(values)),
-                KeyValue::Text(value) => write!(text, "|{key}:t{}", value.replace('|', "/")),
+                KeyValue::Text(value) => {
+                    write!(text, "|{key}:t{}", value.replace('%', "%25").replace('|', "%7C"))
+                }
             };
         }
         text
@@ -219,7 +224,7 @@ impl Keys {
             let value = match kind {
                 "s" => KeyValue::Shorts(value.split(',').map(|x| x.parse().ok()).collect::<Option<_>>()?),
                 "d" => KeyValue::Doubles(value.split(',').map(|x| x.parse().ok()).collect::<Option<_>>()?),
-                "t" => KeyValue::Text(value.into()),
+                "t" => KeyValue::Text(value.replace("%7C", "|").replace("%25", "%")),
                 _ => return None,
             };
             keys.insert(key.parse().ok()?, value);
@@ -269,7 +274,7 @@ fn joined<T: ToString>(values: &[T]) -> String {
 fn metres_of(unit: u16) -> Option<f64> {
     Some(match unit {
         METRE => 1.0,
-        9002 => 0.3048,
+        9002 => FOOT,
         9003 => SURVEY_FOOT,
         9005 => 0.304_797_265_4,
         9014 => 1.8288,
@@ -292,7 +297,7 @@ fn is_geographic(code: u16, transform: &[f64; 6], size: (usize, usize)) -> bool 
 fn linear_unit(grid: &Grid, georef: &Georef) -> u16 {
     let metres = grid.cell.x / libm::hypot(georef.transform[1], georef.transform[4]);
     let near = |unit: f64| (metres / unit - 1.0).abs() < 2e-7;
-    if near(0.3048) {
+    if near(FOOT) {
         9002
     } else if near(SURVEY_FOOT) {
         9003

@@ -7,6 +7,8 @@
 //! believed: an array or a buffer is made only when the bytes that would fill it are there.
 
 mod codec;
+mod directory;
+mod feet;
 mod geokeys;
 mod ifd;
 mod read;

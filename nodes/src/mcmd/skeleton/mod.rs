@@ -10,10 +10,12 @@ mod rivers;
 
 use orograph_core::prelude::*;
 
+use crate::Ground;
 use crate::mcmd::{
     extent::extent,
     mcmd::reconstruct,
-    settings::{Known, Scheme, Settings, Shape, seed_of},
+    params::Chance,
+    settings::{Known, Scheme, Settings, Shape},
 };
 
 /// Draws a skeleton of ridges and rivers with their heights, from a seed alone.
@@ -37,18 +39,12 @@ pub struct Skeleton {
     /// Distance in which a ridge sinks to three fifths of its summit, as a share of the diagonal.
     #[param(default = 0.25, range = 0.01..=2.0, slider = 0.05..=0.6, unit = "1")]
     pub reach: f64,
-    /// Width of the ground, from west to east.
-    #[param(default = 10_000, range = 0.001..=10_000_000.0, slider = 1000.0..=100_000.0, unit = "m")]
-    pub width: f64,
-    /// Height of the ground, from south to north.
-    #[param(default = 10_000, range = 0.001..=10_000_000.0, slider = 1000.0..=100_000.0, unit = "m")]
-    pub height: f64,
-    /// Cells along the longer side; the run's resolution overrides it.
-    #[param(default = 513u32, range = 1..=65_537, slider = 65..=4097, unit = "cells")]
-    pub cells: u32,
-    /// Seed of the skeleton; the run's seed counts too.
-    #[param(default = 0u64, range = 0..=4_294_967_295i64, slider = 0..=1000, unit = "seed")]
-    pub seed: u64,
+    /// The ground to cover.
+    #[param(flatten, default = Ground { cells: 513, ..Ground::default() })]
+    pub ground: Ground,
+    /// The random numbers.
+    #[param(flatten)]
+    pub chance: Chance,
 }
 
 /// Outputs of [`Skeleton`].
@@ -75,8 +71,8 @@ impl Node for Skeleton {
     }
 
     fn run(&self, (): (), job: &Job) -> Result<SkeletonOut> {
-        let grid = extent(self.width, self.height, self.cells, job)?;
-        let seed = seed_of(self.seed, job);
+        let grid = extent(&self.ground, job)?;
+        let seed = self.chance.key(job);
         let ridges = self.draw_ridges(grid.clone(), seed, job)?;
         let rivers = if ridges.void_count() == grid.len() {
             rivers::Rivers::default()
@@ -120,6 +116,10 @@ fn diagonal(grid: &Grid) -> f64 {
 mod tests {
     use super::*;
 
+    fn cells(cells: u32) -> Ground {
+        Ground { cells, ..Skeleton::default().ground }
+    }
+
     fn run(node: &Skeleton) -> SkeletonOut {
         node.run((), &Job::detached()).unwrap()
     }
@@ -127,7 +127,11 @@ mod tests {
     #[test]
     fn ridges_and_rivers_are_apart_and_between_0_and_the_relief() {
         for seed in 0..6 {
-            let node = Skeleton { cells: 200, height: 7000.0, seed, ..Skeleton::default() };
+            let node = Skeleton {
+                ground: Ground { height: 7000.0, ..cells(200) },
+                chance: Chance { seed },
+                ..Skeleton::default()
+            };
             let out = run(&node);
             assert_eq!(out.constraints.grid().size(), (140, 200));
             let (low, high) = out.constraints.range().unwrap();
@@ -147,11 +151,11 @@ mod tests {
     #[test]
     fn extremes_pass() {
         for node in [
-            Skeleton { cells: 1, ..Skeleton::default() },
-            Skeleton { cells: 2, rivers: 100, ..Skeleton::default() },
-            Skeleton { cells: 50, height: 1.0, ..Skeleton::default() },
-            Skeleton { cells: 50, ridges: 0, ..Skeleton::default() },
-            Skeleton { cells: 20, ridges: 300, rivers: 300, ..Skeleton::default() },
+            Skeleton { ground: cells(1), ..Skeleton::default() },
+            Skeleton { ground: cells(2), rivers: 100, ..Skeleton::default() },
+            Skeleton { ground: Ground { height: 1.0, ..cells(50) }, ..Skeleton::default() },
+            Skeleton { ground: cells(50), ridges: 0, ..Skeleton::default() },
+            Skeleton { ground: cells(20), ridges: 300, rivers: 300, ..Skeleton::default() },
         ] {
             let out = run(&node);
             assert_eq!(out.constraints.grid(), out.rivers.grid());
@@ -162,7 +166,7 @@ mod tests {
     fn a_seed_gives_one_skeleton_on_any_number_of_threads() {
         let on = |threads: usize, seed| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            let node = Skeleton { cells: 100, seed, ..Skeleton::default() };
+            let node = Skeleton { ground: cells(100), chance: Chance { seed }, ..Skeleton::default() };
             pool.install(|| run(&node))
                 .constraints
                 .into_cells()
