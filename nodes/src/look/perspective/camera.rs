@@ -33,19 +33,33 @@ impl Camera {
         let middle = [width, height].map(|side| side as f64 / 2.0);
         let focal = middle[0].min(middle[1]) / libm::tan(field_of_view / 2.0);
         let centre = (low + high) / 2.0;
-        // How far back the eye must be for each corner to fall within the picture.
-        let back = (0..8).map(|i| {
+        let corners: [DVec3; 8] = std::array::from_fn(|i| {
             let pick = |bit: usize, low: f64, high: f64| if i >> bit & 1 == 0 { low } else { high };
-            let corner =
-                DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z)) - centre;
-            let beside = corner.dot(right).abs() / (FILL * middle[0]);
-            let above = corner.dot(up).abs() / (FILL * middle[1]);
-            focal * beside.max(above) - corner.dot(forward)
+            DVec3::new(pick(0, low.x, high.x), pick(1, low.y, high.y), pick(2, low.z, high.z))
+        });
+        // How far back the eye must be for each corner to fall within the field of view.
+        let back = corners.into_iter().map(|corner| {
+            let from = corner - centre;
+            let beside = from.dot(right).abs() / middle[0];
+            let above = from.dot(up).abs() / middle[1];
+            focal * beside.max(above) - from.dot(forward)
         });
         // A block without any extent is looked at from a little way off.
         let least = 1.0 + (high - low).length() / 2.0;
-        let distance = back.fold(least, f64::max);
-        Self { eye: centre - forward * distance, forward, right, up, focal, middle }
+        let eye = centre - forward * back.fold(least, f64::max);
+        // What is nearer looks larger, so the block does not fill the picture yet: enlarge and shift.
+        let plain = Self { eye, forward, right, up, focal: 1.0, middle: [0.0; 2] };
+        let none = [f64::INFINITY, f64::NEG_INFINITY];
+        let mut extents = [none; 2];
+        for corner in corners.into_iter().filter_map(|corner| plain.see(corner, [0; 4])) {
+            for ([first, last], at) in extents.iter_mut().zip([corner.x, corner.y]) {
+                (*first, *last) = (first.min(at), last.max(at));
+            }
+        }
+        let fits = |i: usize| 2.0 * FILL * middle[i] / (extents[i][1] - extents[i][0]).max(1e-9);
+        let focal = fits(0).min(fits(1));
+        let shifted = |i: usize| middle[i] - focal * (extents[i][0] + extents[i][1]) / 2.0;
+        Self { focal, middle: [shifted(0), shifted(1)], ..plain }
     }
 
     /// The place of a point in the picture; `None` behind the eye.

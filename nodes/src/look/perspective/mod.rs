@@ -241,7 +241,7 @@ mod tests {
 
     #[test]
     fn a_wall_hides_what_lies_behind_it() {
-        let low = Perspective { tilt: 10.0, ..node() };
+        let low = Perspective { tilt: 25.0, ..node() };
         let strip = |row: usize, _: usize| if (8..12).contains(&row) { RED } else { BLUE };
         let open = view(&low, &field(40, 40, |_, _| 0.0), strip);
         let walled = view(&low, &field(40, 40, |row, _| if row == 20 { 200.0 } else { 0.0 }), strip);
