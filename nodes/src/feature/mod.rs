@@ -8,6 +8,7 @@ pub mod classify;
 pub mod forest;
 pub mod from_sketch;
 pub mod lattice;
+pub mod medial;
 pub mod network;
 pub mod plan;
 pub mod polygon_breaking;
