@@ -6,7 +6,9 @@ pub mod adherence;
 pub mod branch_reduction;
 pub mod chains;
 pub mod classify;
+mod curves;
 pub mod forest;
+pub mod from_curves;
 pub mod from_sketch;
 pub mod lattice;
 pub mod medial;
@@ -32,6 +34,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<adherence::Adherence>(),
         NodeType::of::<branch_reduction::BranchReduction>(),
         NodeType::of::<classify::Classify>(),
+        NodeType::of::<from_curves::FromCurves>(),
         NodeType::of::<from_sketch::FromSketch>(),
         NodeType::of::<plan::Plan>(),
         NodeType::of::<polygon_breaking::PolygonBreaking>(),

@@ -6,10 +6,7 @@
 
 use orograph_core::{Column, FeatureKind, Unit, prelude::*};
 
-use super::{
-    chains::distance,
-    network::{Arm, Network},
-};
+use super::network::{Arm, Incidence, Network};
 
 /// In which order patches are placed.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -353,10 +350,10 @@ impl<'a> Planner<'a> {
     }
 
     /// The lines at a point by the angle at which they leave it.
-    fn lines_by_angle(&self, point: usize) -> Vec<super::network::Incidence> {
+    fn lines_by_angle(&self, point: usize) -> Vec<Incidence> {
         let centre = self.network.place(point);
         let reach = radius(self.patch);
-        let angle = |incidence: &super::network::Incidence| {
+        let angle = |incidence: &Incidence| {
             let length = self.network.length(incidence.line);
             let along = if incidence.starts { reach.min(length) } else { (length - reach).max(0.0) };
             let [row, col] = self.network.at(incidence.line, along);
@@ -384,12 +381,7 @@ impl<'a> Planner<'a> {
     }
 
     /// The items along a line, from the end at hand to the other.
-    fn path(
-        &mut self,
-        incidence: super::network::Incidence,
-        before: Option<usize>,
-        component: usize,
-    ) -> Option<usize> {
+    fn path(&mut self, incidence: Incidence, before: Option<usize>, component: usize) -> Option<usize> {
         let line = incidence.line;
         let length = self.network.length(line);
         let n = ((length / (self.patch / 2.0)).ceil() as usize).saturating_sub(1);
@@ -406,13 +398,4 @@ impl<'a> Planner<'a> {
         }
         last
     }
-}
-
-/// Greatest distance from any vertex of the features to the nearest item.
-#[must_use]
-pub fn gap(features: &Features, items: &[Item]) -> f64 {
-    let vertices = features.lines.iter().flat_map(|line| &line.vertices);
-    let near =
-        |at: &[f64; 2]| items.iter().map(|item| distance(item.centre, *at)).fold(f64::INFINITY, f64::min);
-    vertices.map(near).fold(0.0, f64::max)
 }

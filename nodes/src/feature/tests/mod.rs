@@ -2,6 +2,7 @@
 
 mod adherence;
 mod drawings;
+mod from_curves;
 mod plan;
 mod ppa;
 mod sketch;
