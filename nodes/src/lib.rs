@@ -14,6 +14,7 @@ pub mod mcmd;
 pub mod measure;
 pub mod repair;
 pub mod surface;
+pub mod synthesis;
 #[cfg(test)]
 mod test_fields;
 pub mod transform;
@@ -34,6 +35,7 @@ pub fn all() -> Vec<NodeType> {
         mcmd::nodes(),
         measure::nodes(),
         repair::nodes(),
+        synthesis::nodes(),
         transform::nodes(),
     ]
     .into_iter()
