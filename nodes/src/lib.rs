@@ -5,6 +5,7 @@
 
 pub mod adjust;
 pub mod combine;
+pub mod feature;
 pub mod filter;
 pub mod generate;
 pub mod io;
@@ -27,6 +28,7 @@ pub fn all() -> Vec<NodeType> {
     [
         adjust::nodes(),
         combine::nodes(),
+        feature::nodes(),
         filter::nodes(),
         generate::nodes(),
         io::nodes(),

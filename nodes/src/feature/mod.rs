@@ -1,0 +1,36 @@
+//! Ridges and valleys as networks of lines: found in terrain or in a sketch, ordered for synthesis, compared.
+//!
+//! The pure functions that other families call: [`ppa::find`] and [`sketch::prepare`] with [`from_sketch::trace`].
+
+pub mod branch_reduction;
+pub mod chains;
+pub mod classify;
+pub mod forest;
+pub mod from_sketch;
+pub mod lattice;
+pub mod polygon_breaking;
+pub mod ppa;
+pub mod profile_recognition;
+pub mod profiles;
+mod rings;
+pub mod settings;
+pub mod sketch;
+pub mod target_connection;
+#[cfg(test)]
+mod tests;
+
+use orograph_core::NodeType;
+
+/// The nodes of this family.
+pub(crate) fn nodes() -> Vec<NodeType> {
+    vec![
+        NodeType::of::<branch_reduction::BranchReduction>(),
+        NodeType::of::<classify::Classify>(),
+        NodeType::of::<from_sketch::FromSketch>(),
+        NodeType::of::<polygon_breaking::PolygonBreaking>(),
+        NodeType::of::<ppa::Ppa>(),
+        NodeType::of::<profile_recognition::ProfileRecognition>(),
+        NodeType::of::<sketch::Sketch>(),
+        NodeType::of::<target_connection::TargetConnection>(),
+    ]
+}

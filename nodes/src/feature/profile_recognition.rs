@@ -1,0 +1,174 @@
+//! Profile recognition: the cells that stand above the ground on both sides.
+//!
+//! Chang, Song, Hsu (1998), "Automatic extraction of ridge and valley axes using the profile recognition and
+//! polygon-breaking algorithm", first step, as Zhou et al. (2007) use it. Eight half-profiles run outward from each
+//! working cell; a half is low where any of its samples falls short of the middle by more than the drop. Departure:
+//! the two halves of one axis must both be low, where the papers are content with one.
+
+use orograph_core::prelude::*;
+
+use super::{
+    lattice::{Blocks, Lattice, block_means},
+    settings::{Kind, Sided, crest},
+};
+use crate::filter::gaussian_blur::blur;
+
+/// Marks the cells that stand above, or for valleys below, the ground on both sides of some axis.
+///
+/// The first of four steps; `feature.ppa` takes them all at once.
+#[derive(Params, Clone, Debug)]
+pub struct ProfileRecognition {
+    /// Ridges or valleys.
+    #[param(default = Kind::Ridge)]
+    pub kind: Kind,
+    /// Side of the blocks whose mean heights are looked at. A sixteenth of the patch size suits synthesis.
+    #[param(default = 5u32, range = 1..=32, slider = 1..=10, unit = "cells")]
+    pub working_cell: u32,
+    /// Smoothing before, as a standard deviation in working cells; 0 for none.
+    #[param(default = 0, range = 0.0..=32.0, slider = 0.0..=4.0, unit = "1")]
+    pub sigma: f64,
+    /// Working cells on each side of a profile.
+    #[param(default = 3u32, range = 1..=32, slider = 1..=12, unit = "1")]
+    pub half_profile: u32,
+    /// How far a profile must fall, as a share of the height range.
+    #[param(default = 0.05, range = 0.0..=1.0, slider = 0.0..=0.1, unit = "1")]
+    pub drop: f64,
+    /// On which sides it must fall.
+    #[param(default = Sided::TwoSided)]
+    pub sided: Sided,
+    /// Share of the height range below which, or for valleys above which, no cell counts.
+    #[param(default = 0, range = 0.0..=1.0, unit = "1")]
+    pub floor: f64,
+}
+
+/// Inputs of [`ProfileRecognition`].
+#[derive(Inputs)]
+pub struct ProfileRecognitionIn<'a> {
+    /// Terrain to look at.
+    pub terrain: &'a Heightfield,
+}
+
+/// Outputs of [`ProfileRecognition`].
+#[derive(Outputs)]
+pub struct ProfileRecognitionOut {
+    /// Working cells that may lie on a line, on the grid of the terrain.
+    pub candidates: Mask,
+}
+
+impl Node for ProfileRecognition {
+    const ID: &'static str = "feature.profile_recognition";
+    const VERSION: u32 = 1;
+    const EXTENT: Extent = Extent::Global;
+    type Inputs<'a> = ProfileRecognitionIn<'a>;
+    type Outputs = ProfileRecognitionOut;
+
+    fn cost(&self) -> f64 {
+        4.0
+    }
+
+    fn run(&self, inputs: ProfileRecognitionIn<'_>, job: &Job) -> Result<ProfileRecognitionOut> {
+        let grid = inputs.terrain.grid();
+        let blocks = Blocks::square(grid.cell, self.working_cell as usize);
+        let relief = Relief::new(inputs.terrain, self.kind.into(), blocks, self.sigma, job)?;
+        let falls = relief.falls(self.half_profile as usize, self.sided, job)?;
+        let marked = relief.candidates(&falls, self.drop, self.floor);
+        if !marked.contains(&true) {
+            job.warn("no cell stands out: lower `drop` or `working_cell`");
+        }
+        let cols = relief.lattice.cols;
+        let candidates = Mask::build(grid.clone(), job, |row, out| {
+            let marked = &marked[row / blocks.down * cols..][..cols];
+            for (col, out) in out.iter_mut().enumerate() {
+                *out = f32::from(u8::from(marked[col / blocks.across]));
+            }
+            Ok(())
+        })?;
+        Ok(ProfileRecognitionOut { candidates })
+    }
+}
+
+/// Mean heights of the working cells, turned so that the lines sought are crests.
+#[derive(Clone, Debug)]
+pub struct Relief {
+    /// The working grid.
+    pub lattice: Lattice,
+    /// Height of each working cell, negative for valleys; NaN where unknown.
+    pub crests: Vec<f32>,
+    /// Lowest and highest of them.
+    pub range: (f64, f64),
+    /// How many are known.
+    pub known: usize,
+}
+
+impl Relief {
+    /// The relief of a terrain; `sigma` smooths it, in working cells.
+    ///
+    /// # Errors
+    /// As [`block_means`].
+    pub fn new(
+        terrain: &Heightfield,
+        kind: FeatureKind,
+        blocks: Blocks,
+        sigma: f64,
+        job: &Job,
+    ) -> Result<Self> {
+        let mut means = block_means(terrain, blocks, job)?;
+        if sigma > 0.0 {
+            means = blur(&means, sigma, job)?;
+        }
+        let lattice = blocks.lattice(terrain.grid());
+        let known = means.cells().len() - means.void_count();
+        let range = match (means.range(), kind == FeatureKind::Ridge) {
+            (Some((low, high)), true) => (f64::from(low), f64::from(high)),
+            (Some((low, high)), false) => (-f64::from(high), -f64::from(low)),
+            (None, _) => (0.0, 0.0),
+        };
+        let mut crests = means.into_cells();
+        crests.iter_mut().for_each(|height| *height = crest(*height, kind));
+        Ok(Self { lattice, crests, range, known })
+    }
+
+    /// How far the profiles of each working cell fall at best: from the sample that falls furthest on each half,
+    /// the lesser of the two halves (or the greater, for any one side), over the axis where that is most.
+    ///
+    /// A cell is a candidate for exactly the drops below this. Negative infinity where no profile has the samples.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] and [`Error::Cancelled`].
+    pub fn falls(&self, half_profile: usize, sided: Sided, job: &Job) -> Result<Vec<f32>> {
+        let Self { lattice, crests, .. } = self;
+        let grid = Grid::new(lattice.rows, lattice.cols, CellSize::square(1.0))?;
+        let falls = Heightfield::build(grid, job, |row, out| {
+            for (col, out) in out.iter_mut().enumerate() {
+                let cell = row * lattice.cols + col;
+                let half = |direction: usize| {
+                    let samples = (1..=half_profile).map_while(|n| lattice.far(cell, direction, n));
+                    // Voids compare as not greater, so they never count.
+                    samples
+                        .map(|at| crests[cell] - crests[at])
+                        .fold(f32::NEG_INFINITY, |most, fall| if fall > most { fall } else { most })
+                };
+                let axis = |direction: usize| {
+                    let (a, b) = (half(direction), half(direction + 4));
+                    if sided == Sided::TwoSided { a.min(b) } else { a.max(b) }
+                };
+                *out = (0..4).map(axis).fold(f32::NEG_INFINITY, f32::max);
+            }
+            Ok(())
+        })?;
+        Ok(falls.into_cells())
+    }
+
+    /// Which working cells fall by more than `drop` of the range and lie no lower than `floor` of it.
+    #[must_use]
+    pub fn candidates(&self, falls: &[f32], drop: f64, floor: f64) -> Vec<bool> {
+        let (low, high) = self.range;
+        let (least, lowest) = (drop * (high - low), low + floor * (high - low));
+        let high_enough = |crest: f32| floor <= 0.0 || f64::from(crest) >= lowest;
+        falls
+            .iter()
+            .zip(&self.crests)
+            .map(|(&fall, &crest)| f64::from(fall) > least && high_enough(crest))
+            .collect()
+    }
+}

@@ -1,0 +1,5 @@
+//! Oracles of the feature family that need more than one of its files.
+
+mod drawings;
+mod ppa;
+mod sketch;
