@@ -168,7 +168,9 @@ mod tests {
     }
 
     fn noise(seed: u64, n: usize) -> Vec<f32> {
-        (0..n).map(|i| 1000.0 + (400.0 * signed_unit(key(seed, 0, i as i64, 0))).round() as f32 / 8.0).collect()
+        (0..n)
+            .map(|i| 1000.0 + (400.0 * signed_unit(key(seed, 0, i as i64, 0))).round() as f32 / 8.0)
+            .collect()
     }
 
     #[test]
