@@ -61,7 +61,7 @@ pub fn shape(forest: &Forest, frame: &Frame<'_>, shaping: &Shaping, job: &Job) -
         let kind = if degree == 1 { PointKind::End } else { PointKind::Branch };
         features.points.push(FeaturePoint { row, col, height: frame.heights[cell], kind });
     }
-    features.rings = rings::close(&features, &keys, forest.lattice, shaping);
+    features.rings = rings::close(&features, frame.blocks, shaping);
     Ok(features)
 }
 
@@ -191,7 +191,7 @@ pub(crate) fn resample(path: &[[f64; 2]], spacing: f64) -> Vec<[f64; 2]> {
             if wanted > done + step {
                 break;
             }
-            let share = (wanted - done) / step;
+            let share = if step > 0.0 { (wanted - done) / step } else { 0.0 };
             out.push([0, 1].map(|k| path[i][k] + (path[i + 1][k] - path[i][k]) * share));
         }
         done += step;

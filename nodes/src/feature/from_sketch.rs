@@ -6,6 +6,7 @@ use super::{
     chains::shape,
     forest::Frame,
     lattice::Blocks,
+    medial,
     ppa::{Found, forest},
     settings::{Kind, Shaping, Steps, crest},
     sketch::{NO_STROKE, Prepared, Sketch, Strokes, prepare},
@@ -14,7 +15,7 @@ use crate::transform::resize::{Method, resize};
 
 /// Finds the ridges or valleys that a sketch shows: the middle lines of its strokes, whatever their width.
 ///
-/// `feature.sketch` and `feature.ppa` in one, with parameters that suit the strokes. A sketch without strokes gives no
+/// `feature.sketch` and `feature.ppa` in one, with parameters that suit the strokes, and lines moved onto the middle. A sketch without strokes gives no
 /// lines and a remark.
 #[derive(Params, Clone, Debug)]
 pub struct FromSketch {
@@ -111,6 +112,7 @@ pub fn trace(
     let heights: Vec<f32> = raw.heights.iter().map(|&height| crest(height, steps.kind)).collect();
     let frame = Frame { grid, blocks, heights: &heights, kind: steps.kind };
     let shaping = Shaping { smooth_passes, ..prepared.shaping(patch) };
-    let features = shape(&raw.forest, &frame, &shaping, job)?;
+    let mut features = shape(&raw.forest, &frame, &shaping, job)?;
+    medial::centre(&mut features, &prepared.edges, blocks, &shaping, job)?;
     Ok(Found { features, drop: raw.drop, share: raw.share })
 }

@@ -8,6 +8,9 @@ pub mod classify;
 pub mod forest;
 pub mod from_sketch;
 pub mod lattice;
+pub mod medial;
+pub mod network;
+pub mod plan;
 pub mod polygon_breaking;
 pub mod ppa;
 pub mod profile_recognition;
@@ -27,6 +30,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<branch_reduction::BranchReduction>(),
         NodeType::of::<classify::Classify>(),
         NodeType::of::<from_sketch::FromSketch>(),
+        NodeType::of::<plan::Plan>(),
         NodeType::of::<polygon_breaking::PolygonBreaking>(),
         NodeType::of::<ppa::Ppa>(),
         NodeType::of::<profile_recognition::ProfileRecognition>(),

@@ -2,42 +2,36 @@
 
 use orograph_core::{Features, PointKind};
 
-use super::{chains::distance, lattice::Lattice, settings::Shaping};
+use super::{chains::distance, lattice::Blocks, settings::Shaping};
 
 /// The cosine of the angle that the directions of two ends must differ by, 120°.
 const FACING: f64 = -0.5;
 
 /// Pairs of ends nearer than the ring gap whose lines lead away from each other: nearest first, each end once.
-///
-/// `cells` are the working cells of the points, ascending.
-pub(crate) fn close(
-    features: &Features,
-    cells: &[usize],
-    lattice: Lattice,
-    shaping: &Shaping,
-) -> Vec<[u32; 2]> {
-    let headings = headings(features, shaping.heading);
-    let reach = shaping.ring_gap.ceil() as usize;
+pub(crate) fn close(features: &Features, blocks: Blocks, shaping: &Shaping) -> Vec<[u32; 2]> {
+    // Ends in working cells, by row, so that only the next few rows need be looked through.
+    let mut ends: Vec<([f64; 2], [f64; 2], u32)> = headings(features, shaping.heading)
+        .into_iter()
+        .enumerate()
+        .filter_map(|(i, heading)| {
+            let point = &features.points[i];
+            let at = [point.row / blocks.down as f64, point.col / blocks.across as f64];
+            Some((at, heading?, i as u32))
+        })
+        .collect();
+    ends.sort_by(|a, b| a.0[0].total_cmp(&b.0[0]).then(a.2.cmp(&b.2)));
     let mut pairs: Vec<(f64, u32, u32)> = Vec::new();
-    for (a, &cell) in cells.iter().enumerate() {
-        let Some(from) = headings[a] else { continue };
-        let (row, col) = lattice.place(cell);
-        for row in row..(row + reach + 1).min(lattice.rows) {
-            let first = row * lattice.cols + col.saturating_sub(reach);
-            let last = row * lattice.cols + (col + reach).min(lattice.cols - 1);
-            let start = cells.partition_point(|&other| other < first);
-            let end = cells.partition_point(|&other| other <= last);
-            for b in start.max(a + 1)..end {
-                let gap = lattice.distance(cell, cells[b]);
-                let Some(to) = headings[b] else { continue };
-                if gap < shaping.ring_gap && from[0] * to[0] + from[1] * to[1] <= FACING {
-                    pairs.push((gap, a as u32, b as u32));
-                }
+    for (i, (at, from, a)) in ends.iter().enumerate() {
+        let below = ends[i + 1..].iter().take_while(|end| end.0[0] - at[0] < shaping.ring_gap);
+        for (other, to, b) in below {
+            let gap = distance(*at, *other);
+            if gap < shaping.ring_gap && from[0] * to[0] + from[1] * to[1] <= FACING {
+                pairs.push((gap, *a.min(b), *a.max(b)));
             }
         }
     }
     pairs.sort_by(|x, y| x.0.total_cmp(&y.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-    let mut taken = vec![false; cells.len()];
+    let mut taken = vec![false; features.points.len()];
     let mut rings = Vec::new();
     for (_, a, b) in pairs {
         if !taken[a as usize] && !taken[b as usize] {

@@ -122,6 +122,8 @@ const LONGEST_PROFILE: f64 = 12.0;
 pub struct Prepared {
     /// Field without unit on blocks of [`shrink`](Self::shrink) pixels; strokes are crests whatever the kind.
     pub field: Heightfield,
+    /// Distance to the edge of the strokes, pixel by pixel, in pixels: positive inside, negative outside.
+    pub edges: Heightfield,
     /// Pixels along the side of a block.
     pub shrink: usize,
     /// Width of the widest stroke in pixels.
@@ -188,19 +190,19 @@ pub fn prepare(sketch: &Heightfield, settings: &Sketch, job: &Job) -> Result<Opt
         }
         Ok(())
     })?;
-    let Some((field, half)) = raise(&greys, settings, job)? else { return Ok(None) };
-    let width = 2.0 * half;
-    let whole =
-        |field, shrink, block_width| Prepared { field, shrink, width, block_width, kind: settings.kind };
+    let Some(Raised { field, edges, half }) = raise(&greys, settings, job)? else { return Ok(None) };
+    let (width, kind) = (2.0 * half, settings.kind);
     if half_profile(width) <= LONGEST_PROFILE {
-        return Ok(Some(whole(field, 1, width)));
+        return Ok(Some(Prepared { field, edges, shrink: 1, width, block_width: width, kind }));
     }
     let shrink = (half_profile(width) / (LONGEST_PROFILE / 2.0)).ceil() as usize;
     let small = shrunk(&greys, shrink, job)?;
     // Blocks may blur fine strokes away; then the sketch is taken as it is.
     Ok(Some(match raise(&small, settings, job)? {
-        Some((field, half)) => whole(field, shrink, 2.0 * half),
-        None => whole(field, 1, width),
+        Some(small) => {
+            Prepared { field: small.field, edges, shrink, width, block_width: 2.0 * small.half, kind }
+        }
+        None => Prepared { field, edges, shrink: 1, width, block_width: width, kind },
     }))
 }
 
@@ -227,8 +229,18 @@ fn shrunk(greys: &Heightfield, shrink: usize, job: &Job) -> Result<Heightfield> 
     })
 }
 
-/// Strokes bright, the distance to their edge added; and the greatest such distance. `None` without strokes.
-fn raise(greys: &Heightfield, settings: &Sketch, job: &Job) -> Result<Option<(Heightfield, f64)>> {
+/// Strokes raised in the middle.
+struct Raised {
+    /// Brightness with the distance to the edge added.
+    field: Heightfield,
+    /// That distance, negative outside.
+    edges: Heightfield,
+    /// The greatest of it: half the width of the widest stroke.
+    half: f64,
+}
+
+/// Makes strokes bright and adds the distance to their edge; `None` without strokes.
+fn raise(greys: &Heightfield, settings: &Sketch, job: &Job) -> Result<Option<Raised>> {
     let dark = match settings.strokes {
         Strokes::ByKind => settings.kind == Kind::Valley,
         Strokes::Bright => false,
@@ -261,7 +273,10 @@ fn raise(greys: &Heightfield, settings: &Sketch, job: &Job) -> Result<Option<(He
         }
         Ok(())
     })?;
-    Ok(Some((field, half)))
+    let outside = distances(&strokes, |share| share >= 0.5, job)?;
+    let mut signed = edges;
+    signed.cells_mut().iter_mut().zip(outside.cells()).for_each(|(edge, outside)| *edge -= outside);
+    Ok(Some(Raised { field, edges: signed, half }))
 }
 
 /// Mean of the greys in the fullest of 256 classes, the darkest of equals.

@@ -8,6 +8,7 @@ pub mod colour_relief;
 pub mod contact_sheet;
 pub mod contours;
 pub mod difference_map;
+pub mod features;
 pub mod hillshade;
 pub mod histogram;
 pub mod legend;
@@ -28,6 +29,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<contact_sheet::ContactSheet>(),
         NodeType::of::<contours::Contours>(),
         NodeType::of::<difference_map::DifferenceMap>(),
+        NodeType::of::<features::Features>(),
         NodeType::of::<hillshade::Hillshade>(),
         NodeType::of::<histogram::Histogram>(),
         NodeType::of::<mark_known::MarkKnown>(),
@@ -55,6 +57,16 @@ mod tests {
                 Value::Texture(picture.into())
             }
             ValueType::Table => Value::Table(Table::metrics([("a", Unit::Metre, 1.0)]).unwrap().into()),
+            ValueType::Features => Value::Features(
+                crate::feature::forest::Frame {
+                    grid: terrain.grid(),
+                    blocks: crate::feature::lattice::Blocks { down: 1, across: 1 },
+                    heights: &[],
+                    kind: orograph_core::FeatureKind::Ridge,
+                }
+                .features(Vec::new(), Vec::new())
+                .into(),
+            ),
             other => panic!("no sample of {other}"),
         };
         let slot = |port: &orograph_core::PortSpec| match port.arity {

@@ -6,6 +6,8 @@ use super::drawings::{LAMBDA, Stroke, TREE, circle, drawn, off};
 use crate::feature::{
     chains::distance,
     from_sketch::{FromSketch, FromSketchIn, trace},
+    lattice::Blocks,
+    medial,
     ppa::Ppa,
     settings::Kind,
     sketch::{Sketch, SketchIn, Strokes, prepare},
@@ -41,9 +43,7 @@ fn four_sketches_at_four_widths_have_the_drawn_topology() {
         assert_eq!(topology(&features(&TREE)), (vec![3, 3], 4, 1), "tree, {width}");
         let circle = features(&ring);
         assert_eq!(topology(&circle), (vec![], 2, 1), "circle, {width}");
-        if width < 20.0 {
-            assert_eq!(circle.rings, [[0, 1]], "circle, {width}");
-        }
+        assert_eq!(circle.rings, [[0, 1]], "circle, {width}");
         let trees = topology(&features(&both)).2;
         assert_eq!(trees, if width > 20.0 { 1 } else { 2 }, "circle and lambda, {width}");
         if width > 13.0 {
@@ -102,10 +102,14 @@ fn the_two_nodes_do_what_the_one_does() {
             profiles: false,
             ..Ppa::default()
         };
-        let two = ppa.run(crate::feature::ppa::PpaIn { terrain: &out.field }, &job).unwrap().features;
+        let mut two = ppa.run(crate::feature::ppa::PpaIn { terrain: &out.field }, &job).unwrap().features;
+        // The one node also moves lines onto the middle, to which the field alone does not lead.
+        let prepared = prepare(&sketch, &settings, &job).unwrap().unwrap();
+        let blocks = Blocks { down: prepared.shrink, across: prepared.shrink };
+        medial::centre(&mut two, &prepared.edges, blocks, &prepared.shaping(80), &job).unwrap();
         let one = FromSketch { kind, strokes: Strokes::Bright, ..FromSketch::default() };
         let one = one.run(FromSketchIn { sketch: &sketch }, &job).unwrap().features;
-        assert_eq!((one.lines, one.rings), (two.lines, two.rings), "{kind:?} {width}");
+        assert!((one.lines, one.rings) == (two.lines, two.rings), "{kind:?} {width}");
     }
 }
 
@@ -126,4 +130,50 @@ fn a_sketch_may_be_traced_at_another_resolution() {
     let features = node.run(FromSketchIn { sketch: &sketch }, &Job::detached()).unwrap().features;
     assert_eq!(features.grid.size(), (514, 514));
     assert_eq!(topology(&features), (vec![3, 3], 4, 1));
+}
+
+/// Where the strokes' middle lines are, half a pixel apart.
+fn middles(strokes: &[Stroke]) -> Vec<[f64; 2]> {
+    let steps = |[a, b]: &Stroke| {
+        let n = (2.0 * distance(*a, *b)).ceil();
+        let (a, b) = (*a, *b);
+        (0..=n as usize).map(move |i| [1, 0].map(|k| a[k] + (b[k] - a[k]) * i as f64 / n))
+    };
+    strokes.iter().flat_map(steps).collect()
+}
+
+/// Share of places within `reach` of a vertex.
+fn covered(places: &[[f64; 2]], vertices: &[[f64; 2]], reach: f64) -> f64 {
+    let near = |place: &&[f64; 2]| vertices.iter().any(|vertex| distance(**place, *vertex) <= reach);
+    places.iter().filter(near).count() as f64 / places.len() as f64
+}
+
+#[test]
+fn the_width_of_strokes_does_not_matter() {
+    let scaled = |strokes: &[Stroke]| -> Vec<Stroke> {
+        strokes.iter().map(|stroke| stroke.map(|at| at.map(|share| share * 2.0))).collect()
+    };
+    let ring = circle(256.0, 200.0);
+    for strokes in [scaled(&LAMBDA), scaled(&TREE), ring] {
+        // Drawing a circle of so many sides takes its time.
+        let widths = if strokes.len() > 9 {
+            &[5.0, 20.0, 40.0][..]
+        } else {
+            &[5.0, 10.0, 15.0, 20.0, 25.0, 30.0, 40.0]
+        };
+        for &width in widths {
+            let features = traced(&drawn(&strokes, 512, width), &Sketch::default());
+            let vertices: Vec<[f64; 2]> = features
+                .lines
+                .iter()
+                .flat_map(|line| crate::feature::chains::resample(&line.vertices, 0.5))
+                .collect();
+            assert_eq!(features.rings.len(), usize::from(strokes.len() == 180), "{width}");
+            let (recall, precision) =
+                (covered(&middles(&strokes), &vertices, 5.0), covered(&vertices, &middles(&strokes), 5.0));
+            // Where wide strokes meet at an acute angle, their common middle leaves both.
+            let least = if width < 40.0 { 0.98 } else { 0.95 };
+            assert!(recall >= least && precision >= least, "{width}: {recall:.3} {precision:.3}");
+        }
+    }
 }
