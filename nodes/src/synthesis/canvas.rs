@@ -82,6 +82,8 @@ pub struct Canvas {
     pub heights: Vec<f32>,
     /// Number of the patch that each cell came from, plus one.
     pub labels: Vec<u32>,
+    /// Steps to the cell on the right and to the one below as the patches had them, their mean across a seam.
+    pub(super) steps: Vec<[f32; 2]>,
     /// Row and column in the exemplar of each cell.
     pub sources: Vec<[f32; 2]>,
     /// Number of the patch, plus one, whose core each cell is.
@@ -112,11 +114,12 @@ impl Canvas {
     /// [`Error::TooLarge`] when the memory is refused.
     pub fn new(size: (usize, usize), job: &Job<'_>) -> Result<Self> {
         let n = size.0 * size.1;
-        job.admit(n as u64 * 21, || format!("a synthesis of {} × {} cells", size.0, size.1))?;
+        job.admit(n as u64 * 29, || format!("a synthesis of {} × {} cells", size.0, size.1))?;
         Ok(Self {
             size,
             heights: vec![f32::NAN; n],
             labels: vec![0; n],
+            steps: vec![[f32::NAN; 2]; n],
             sources: vec![[f32::NAN; 2]; n],
             cores: vec![0; n],
             frozen: vec![false; n],
@@ -162,27 +165,30 @@ impl Canvas {
         (self.cores[i] as usize).checked_sub(1).map(|patch| self.centers[patch])
     }
 
-    /// The seam between `sheet`, a patch with this centre, and the ground.
+    /// The seam between `new` heights in a framed window, which keep their `core`, and the `old` ones there.
     ///
     /// # Errors
     /// Those of [`seam`].
+    #[expect(clippy::too_many_arguments, reason = "both surfaces come in parts that are made apart")]
     pub fn seam(
         &self,
-        sheet: &Sheet,
+        window: &Window,
+        new: &[f32],
+        core: &[bool],
         old: &[f32],
         center: Point,
         rules: &Rules,
         job: &Job<'_>,
     ) -> Result<Seam> {
-        let keep: Vec<Keep> = (0..sheet.window.len())
+        let keep: Vec<Keep> = (0..window.len())
             .map(|i| {
-                let at = self.index(&sheet.window, i);
-                let (row, col) = sheet.window.cell(i);
+                let at = self.index(window, i);
+                let (row, col) = window.cell(i);
                 let square = |p: Point| {
                     let (down, across) = (row as f64 - p[0], col as f64 - p[1]);
                     down * down + across * across
                 };
-                match (self.core(at), sheet.core.get(i).copied().unwrap_or(false)) {
+                match (self.core(at), core.get(i).copied().unwrap_or(false)) {
                     (None, false) => Keep::Either,
                     (None, true) => Keep::New,
                     (Some(_), false) => Keep::Old,
@@ -196,7 +202,7 @@ impl Canvas {
                 }
             })
             .collect();
-        let overlay = Overlay { cols: sheet.window.cols, old, new: &sheet.heights, keep: &keep };
+        let overlay = Overlay { cols: window.cols, old, new, keep: &keep };
         seam(&overlay, rules.seam_weight, job)
     }
 
@@ -205,6 +211,7 @@ impl Canvas {
     ///
     /// # Errors
     /// Those of [`correction`].
+    #[expect(clippy::too_many_arguments, reason = "a patch comes in parts that are made apart")]
     pub fn paste(
         &mut self,
         sheet: &Sheet,
@@ -217,6 +224,7 @@ impl Canvas {
     ) -> Result<usize> {
         let composite = Composite { cols: sheet.window.cols, old, new: &sheet.heights, is_new: &seam.new };
         let added = correction(&composite, rules.seam_gradient, rules.grow, job)?;
+        self.take_steps(sheet, &seam.new);
         self.centers.push(patch.target_center);
         self.patches.push(patch);
         let label = self.patches.len() as u32;
@@ -242,6 +250,28 @@ impl Canvas {
             }
         }
         Ok(filled)
+    }
+
+    /// Keeps the steps of a patch's own surface: within its cells as they are, across its seam half and half.
+    fn take_steps(&mut self, sheet: &Sheet, is_new: &[bool]) {
+        let window = &sheet.window;
+        for i in 0..window.len() {
+            let at = self.index(window, i);
+            let right = (i + 1) % window.cols != 0;
+            let below = i + window.cols < window.len();
+            for (axis, inside, j) in [(0, right, i + 1), (1, below, i + window.cols)] {
+                if !inside || !(is_new[i] || is_new[j]) {
+                    continue;
+                }
+                let own = sheet.heights[j] - sheet.heights[i];
+                let before = self.steps[at][axis];
+                if is_new[i] && is_new[j] || before.is_nan() {
+                    self.steps[at][axis] = own;
+                } else if !own.is_nan() {
+                    self.steps[at][axis] = f32::midpoint(before, own);
+                }
+            }
+        }
     }
 
     /// The terrain and its provenance.

@@ -169,7 +169,7 @@ fn plant(
             let found = Found { row, col, mismatch: 0.0, lift: 0.0 };
             let open = vec![true; window.len()];
             let (sheet, old) = sheet(canvas, exemplar, window, &found, &open);
-            let seam = canvas.seam(&sheet, &old, [0.0; 2], rules, job)?;
+            let seam = canvas.seam(&sheet.window, &sheet.heights, &[], &old, [0.0; 2], rules, job)?;
             paste(canvas, exemplar, which, window, &found, (&sheet, &old, &seam), uses, rules, job)?;
             return Ok(true);
         }
@@ -202,6 +202,7 @@ fn grow(
         open: &open,
         lift: rules.lift.map(|share| share * exemplar.range),
         most_lines: layout.most_lines,
+        usual_lines: if rules.strict() { 0.0 } else { 0.7 },
         n: rules.n_fill.max(1),
     };
     let reach = rules.patch as f64 / 2.0;
@@ -210,11 +211,12 @@ fn grow(
     if found.is_empty() {
         found = sources.searchers[which].search(&query, |_| false, job)?;
     }
+    found.truncate(rules.n_cut);
     let judged: Vec<(f64, Sheet, Vec<f32>, Seam)> = found
         .par_iter()
         .map(|found| {
             let (sheet, old) = sheet(canvas, exemplar, window, found, &near);
-            let seam = canvas.seam(&sheet, &old, [0.0; 2], rules, job)?;
+            let seam = canvas.seam(&sheet.window, &sheet.heights, &[], &old, [0.0; 2], rules, job)?;
             let center =
                 [found.row as f64 + window.rows as f64 / 2.0, found.col as f64 + window.cols as f64 / 2.0];
             let n_compared = compared.iter().filter(|height| !height.is_nan()).count() as f64;
@@ -223,7 +225,7 @@ fn grow(
             } else {
                 let step = exemplar.step.max(f64::MIN_POSITIVE);
                 let cost = found.mismatch.sqrt() / step + seam.mean_cost() / step;
-                cost * (1.0 + rules.repetition * uses.near(which, center, reach) as f64)
+                cost * (1.0 + 2.0 * rules.repetition * uses.near(which, center, reach) as f64)
             };
             Ok((cost, sheet, old, seam))
         })

@@ -366,16 +366,24 @@ pub fn choose(site: &Site, pool: &Pool, scene: &Scene<'_>, job: &Job<'_>) -> Res
         return Ok(None);
     }
     let frame = Frame::new(site, &inner, &basis, scene);
-    let judged: Vec<(f64, Seam, Warped)> =
-        fits.par_iter().map(|fit| frame.judge(fit, &basis, &probes, scene, job)).collect::<Result<_>>()?;
-    let considered = fits
+    let mut warped: Vec<Warped> =
+        fits.par_iter().map(|fit| frame.warp(fit, &basis, &probes, scene, job)).collect::<Result<_>>()?;
+    // The cut decides among those that differ least from what is there.
+    let mut ranks: Vec<usize> = (0..fits.len()).collect();
+    ranks.sort_by(|&a, &b| warped[a].cost.total_cmp(&warped[b].cost).then(a.cmp(&b)));
+    ranks.truncate(rules.n_cut);
+    let judged: Vec<(f64, Seam)> = ranks
+        .par_iter()
+        .map(|&rank| frame.judge(&fits[rank], &warped[rank], &basis, &probes, scene, job))
+        .collect::<Result<_>>()?;
+    let considered = ranks
         .iter()
         .zip(&judged)
-        .map(|(fit, (cost, seam, _))| Ranked {
-            exemplar: fit.candidate.exemplar,
-            center: fit.candidate.site.center,
-            mirrored: fit.candidate.mirrored,
-            bend: fit.bend,
+        .map(|(&rank, (cost, seam))| Ranked {
+            exemplar: fits[rank].candidate.exemplar,
+            center: fits[rank].candidate.site.center,
+            mirrored: fits[rank].candidate.mirrored,
+            bend: fits[rank].bend,
             seam: seam.mean_cost(),
             cost: *cost,
         })
@@ -384,8 +392,9 @@ pub fn choose(site: &Site, pool: &Pool, scene: &Scene<'_>, job: &Job<'_>) -> Res
     let Some(best) = (0..judged.len()).min_by(|&a, &b| judged[a].0.total_cmp(&judged[b].0)) else {
         return Ok(None);
     };
-    let fit = &fits[best];
-    let Some((cost, seam, warped)) = judged.into_iter().nth(best) else { return Ok(None) };
+    let fit = &fits[ranks[best]];
+    let warped = warped.swap_remove(ranks[best]);
+    let Some((cost, seam)) = judged.into_iter().nth(best) else { return Ok(None) };
     let pairs = controls(site, &all, rules);
     let patch = Patch {
         exemplar: fit.candidate.exemplar as u32,
@@ -502,6 +511,10 @@ struct Warped {
     heights: Vec<f32>,
     sources: Vec<Point>,
     lift: f64,
+    /// All costs, with the mismatch of the whole overlap in place of the seam's.
+    cost: f64,
+    /// All costs but the seam's.
+    base: f64,
 }
 
 impl Frame {
@@ -533,15 +546,16 @@ impl Frame {
         Self { window, old, terms, cells, core, center: site.center }
     }
 
-    fn judge(
+    fn warp(
         &self,
         fit: &Fit<'_>,
         basis: &Basis,
         probes: &Probes,
         scene: &Scene<'_>,
         job: &Job<'_>,
-    ) -> Result<(f64, Seam, Warped)> {
+    ) -> Result<Warped> {
         job.check()?;
+        let rules = scene.rules;
         let exemplar = &scene.exemplars[fit.candidate.exemplar];
         let mut heights = vec![f32::NAN; self.window.len()];
         let mut sources = vec![[f64::NAN; 2]; self.window.len()];
@@ -556,28 +570,50 @@ impl Frame {
                 n += 1.0;
             }
         }
-        let limit = scene.rules.lift.map_or(0.0, |share| share * exemplar.range);
+        let limit = rules.lift.map_or(0.0, |share| share * exemplar.range);
         let lift = if n > 0.0 { (sum / n).clamp(-limit, limit) } else { 0.0 };
         heights.iter_mut().for_each(|height| *height += lift as f32);
-        let sheet = Sheet { window: self.window, heights, core: self.core.clone() };
-        let seam = scene.canvas.seam(&sheet, &self.old, self.center, scene.rules, job)?;
+        let mismatches = self.old.iter().zip(&heights).map(|(old, new)| f64::from((old - new).abs()));
+        let mismatch: f64 = mismatches.filter(|mismatch| !mismatch.is_nan()).sum();
         let probed = probes.heights(fit, basis, &exemplar.terrain);
-        let uses = scene.uses.near(
-            fit.candidate.exemplar,
-            fit.candidate.site.center,
-            scene.rules.patch as f64 / 2.0,
-        );
-        let mut cost =
-            base_cost(fit, probes, &probed, lift, exemplar, scene) + scene.rules.repetition * uses as f64;
+        let uses =
+            scene.uses.near(fit.candidate.exemplar, fit.candidate.site.center, rules.patch as f64 / 2.0);
+        let base = base_cost(fit, probes, &probed, lift, exemplar, scene) + rules.repetition * uses as f64;
+        let typical = if n > 0.0 && exemplar.step > 0.0 { mismatch / n / exemplar.step } else { 0.0 };
+        Ok(Warped { heights, sources, lift, cost: base + typical, base })
+    }
+
+    /// The total cost of a candidate, and its seam.
+    fn judge(
+        &self,
+        fit: &Fit<'_>,
+        warped: &Warped,
+        basis: &Basis,
+        probes: &Probes,
+        scene: &Scene<'_>,
+        job: &Job<'_>,
+    ) -> Result<(f64, Seam)> {
+        let exemplar = &scene.exemplars[fit.candidate.exemplar];
+        let seam = scene.canvas.seam(
+            &self.window,
+            &warped.heights,
+            &self.core,
+            &self.old,
+            self.center,
+            scene.rules,
+            job,
+        )?;
+        let mut cost = warped.base;
         if scene.rules.strict() {
             cost += seam.cost;
             if fit.candidate.site.role == Role::Branch {
-                cost += 3.0 * probes.profile(&probed, lift).0;
+                let probed = probes.heights(fit, basis, &exemplar.terrain);
+                cost += 3.0 * probes.profile(&probed, warped.lift).0;
             }
         } else if exemplar.step > 0.0 {
             cost += seam.mean_cost() / exemplar.step;
         }
-        Ok((cost, seam, Warped { heights: sheet.heights, sources, lift }))
+        Ok((cost, seam))
     }
 }
 

@@ -4,6 +4,7 @@ pub mod canvas;
 pub mod cut;
 pub mod exemplar;
 pub mod fill_windows;
+pub mod gradient_merge;
 pub mod matching;
 pub mod network;
 pub mod patches;

@@ -39,6 +39,10 @@ pub struct Rules {
     pub n_path: usize,
     /// Fill candidates that are cut.
     pub n_fill: usize,
+    /// Of the candidates for a place, those whose seams are cut: the ones that differ least from the ground there.
+    pub n_cut: usize,
+    /// Distance in cells beyond which the final merge keeps the heights; `None` for no merge.
+    pub merge: Option<f64>,
     /// Most that a patch is lifted, as a share of the exemplar's height range; `None` for no lifting.
     pub lift: Option<f64>,
     /// How seams are weighed.
@@ -66,8 +70,10 @@ impl Rules {
             preset,
             patch,
             n_branch: 10,
-            n_path: if strict { 32 } else { 10 },
+            n_path: if strict { 32 } else { 12 },
             n_fill: if strict { 10 } else { 4 },
+            n_cut: if strict { usize::MAX } else { 3 },
+            merge: (!strict).then_some(2.0 * patch as f64),
             lift: (!strict).then_some(0.1),
             seam_weight: SeamWeight::Plain,
             seam_gradient: if strict { SeamGradient::Zero } else { SeamGradient::Average },

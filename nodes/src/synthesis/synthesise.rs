@@ -13,6 +13,7 @@ use super::{
     cut::SeamWeight,
     exemplar::Exemplar,
     fill_windows::{self, Counts, Layout, Sources},
+    gradient_merge::merge,
     matching::{Choice as Chosen, Scene, Uses, choose},
     network::{Network, Role, Site},
     patches::{Pool, extract},
@@ -254,6 +255,9 @@ pub fn synthesise(
     report.fill = fill_windows::fill(&mut canvas, &sources, &layout, &style_of, &mut uses, rules, job)?;
     if report.fill.smoothed > 0 {
         job.warn(format!("{} cells found nothing that fits and are filled smoothly", report.fill.smoothed));
+    }
+    if let Some(reach) = rules.merge {
+        merge(&mut canvas, reach, job)?;
     }
     let (terrain, placement) = canvas.finish(grid)?;
     Ok((terrain, placement, report))

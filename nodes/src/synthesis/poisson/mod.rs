@@ -2,5 +2,6 @@
 
 pub mod masked;
 mod multigrid;
+pub mod natural;
 pub mod rectangle;
 pub mod seam;

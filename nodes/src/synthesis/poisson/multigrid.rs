@@ -140,6 +140,7 @@ impl<'a> Near<'a> {
         }
     }
 
+    #[inline]
     fn sum(&self, k: usize, [across, down]: [f64; 2]) -> f64 {
         across * (self.west[k] + self.east[k]) + down * (self.north[k] + self.south[k])
     }
@@ -200,6 +201,8 @@ impl Level {
             let near = Near::new(&self.value, &range, self.stride());
             let (inverse, right) = (&self.inverse[range.clone()], &self.right[range.clone()]);
             let value = &self.value[range];
+            let n = out.len();
+            let (inverse, right, value) = (&inverse[..n], &right[..n], &value[..n]);
             for (k, out) in out.iter_mut().enumerate() {
                 let exact = (right[k] + near.sum(k, weights)) * inverse[k];
                 let moved = value[k] + weight * (exact - value[k]);
@@ -216,6 +219,8 @@ impl Level {
             let near = Near::new(&self.value, &range, self.stride());
             let (diagonal, right) = (&self.diagonal[range.clone()], &self.right[range.clone()]);
             let value = &self.value[range];
+            let n = out.len();
+            let (diagonal, right, value) = (&diagonal[..n], &right[..n], &value[..n]);
             for (k, out) in out.iter_mut().enumerate() {
                 let rest = right[k] - diagonal[k] * value[k] + near.sum(k, weights);
                 *out = if diagonal[k] == 0.0 { 0.0 } else { rest };

@@ -23,6 +23,8 @@ pub struct Searcher<'a> {
     squares: Vec<Complex64>,
     /// Length of line in each coarse cell, in cells.
     lines: Vec<f32>,
+    /// Mean of that for a cell.
+    density: f64,
 }
 
 /// What to look for.
@@ -38,6 +40,8 @@ pub struct Query<'a> {
     pub lift: Option<f64>,
     /// Most length of line, in cells, in what would be filled; doubled until something is found.
     pub most_lines: f64,
+    /// The same as a share of what the exemplar has in as much ground on the average; the larger of both holds.
+    pub usual_lines: f64,
     /// How many places to return at most.
     pub n: usize,
 }
@@ -103,7 +107,8 @@ impl<'a> Searcher<'a> {
         for network in networks {
             draw(network, factor, rows, cols, &mut lines);
         }
-        Ok(Self { exemplar, factor, rows, cols, plane, mean, heights, squares, lines })
+        let density = lines.iter().map(|&line| f64::from(line)).sum::<f64>() / (lines.len() as f64).max(1.0);
+        Ok(Self { exemplar, factor, rows, cols, plane, mean, heights, squares, lines, density })
     }
 
     /// The best places for `query`, best first; none when the exemplar is too small or nothing whole is left.
@@ -257,7 +262,8 @@ impl<'a> Searcher<'a> {
         }
         spots.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
         let wanted = (8 * query.n).max(16);
-        let mut limit = query.most_lines;
+        let n_open = open.iter().filter(|&&open| open).count() as f64;
+        let mut limit = query.most_lines.max(query.usual_lines * self.density * n_open);
         loop {
             let mut out = Vec::new();
             for &(mismatch, row, col) in &spots {
