@@ -5,6 +5,7 @@ use orograph_core::{Patch, Placement};
 
 use super::{
     cut::{Keep, Overlay, Seam, seam},
+    exemplar::Exemplar,
     poisson::seam::{Composite, correction},
     settings::Rules,
     tps::Point,
@@ -128,6 +129,15 @@ impl Canvas {
         })
     }
 
+    /// Takes over the known cells of `terrain`, which patches may still replace.
+    pub fn lay(&mut self, terrain: &Heightfield) {
+        for (own, &height) in self.heights.iter_mut().zip(terrain.cells()) {
+            if height.is_finite() {
+                *own = height;
+            }
+        }
+    }
+
     /// Takes over the known cells of `terrain`, for good.
     pub fn freeze(&mut self, terrain: &Heightfield) {
         for (i, &height) in terrain.cells().iter().enumerate().take(self.heights.len()) {
@@ -188,6 +198,9 @@ impl Canvas {
                     let (down, across) = (row as f64 - p[0], col as f64 - p[1]);
                     down * down + across * across
                 };
+                if self.frozen[at] {
+                    return Keep::Old;
+                }
                 match (self.core(at), core.get(i).copied().unwrap_or(false)) {
                     (None, false) => Keep::Either,
                     (None, true) => Keep::New,
@@ -222,7 +235,11 @@ impl Canvas {
         rules: &Rules,
         job: &Job<'_>,
     ) -> Result<usize> {
-        let composite = Composite { cols: sheet.window.cols, old, new: &sheet.heights, is_new: &seam.new };
+        // What stays is not to move for the patch's sake, so there the patch has no say.
+        let heights: Vec<f32> = (0..sheet.window.len())
+            .map(|i| if self.frozen[self.index(&sheet.window, i)] { f32::NAN } else { sheet.heights[i] })
+            .collect();
+        let composite = Composite { cols: sheet.window.cols, old, new: &heights, is_new: &seam.new };
         let added = correction(&composite, rules.seam_gradient, rules.grow, job)?;
         self.take_steps(sheet, &seam.new);
         self.centers.push(patch.target_center);
@@ -278,7 +295,7 @@ impl Canvas {
     ///
     /// # Errors
     /// None that a canvas of the grid's size meets.
-    pub fn finish(self, grid: Grid) -> Result<(Heightfield, Placement)> {
+    pub fn finish(self, grid: Grid, exemplars: &[Exemplar]) -> Result<(Heightfield, Placement)> {
         let cols = self.size.1;
         let mut seams = Vec::new();
         for (i, &label) in self.labels.iter().enumerate() {
@@ -295,8 +312,14 @@ impl Canvas {
             }
         }
         let terrain = Heightfield::new(grid.clone(), self.heights)?;
-        let placement =
-            Placement { grid, patches: self.patches, labels: self.labels, sources: self.sources, seams };
+        let placement = Placement {
+            grid,
+            scales: exemplars.iter().map(|exemplar| exemplar.scale).collect(),
+            patches: self.patches,
+            labels: self.labels,
+            sources: self.sources,
+            seams,
+        };
         Ok((terrain, placement))
     }
 }

@@ -253,8 +253,7 @@ fn sheet(
         let source = &exemplar.terrain.row(found.row + row)[found.col..][..window.cols];
         let start = (row + down) * framed.cols + across;
         for (col, &height) in source.iter().enumerate() {
-            let at = canvas.index(window, row * window.cols + col);
-            if near[row * window.cols + col] && !canvas.is_frozen(at) {
+            if near[row * window.cols + col] {
                 heights[start + col] = height + found.lift as f32;
             }
         }

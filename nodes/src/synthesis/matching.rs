@@ -359,7 +359,10 @@ pub fn choose(site: &Site, pool: &Pool, scene: &Scene<'_>, job: &Job<'_>) -> Res
     fits.sort_by(|a, b| {
         a.cheap.total_cmp(&b.cheap).then(a.number.cmp(&b.number)).then(a.shift.cmp(&b.shift))
     });
-    fits.truncate(if site.role == Role::Branch { rules.n_branch } else { rules.n_path });
+    let n_kept = if site.role == Role::Branch { rules.n_branch } else { rules.n_path };
+    // Whether a warp folds is dear to tell, so only those that would be kept are asked.
+    let whole = |fit: &Fit<'_>| !basis.folds(&fit.spline, site.center, rules.radius(), false);
+    let fits: Vec<Fit<'_>> = fits.into_iter().filter(whole).take(n_kept).collect();
     let center = site.center.map(|x| (x + 0.5).floor() as i64);
     let inner = Window::around(center[0], center[1], rules.patch, scene.canvas.size);
     if inner.is_empty() || fits.is_empty() {
@@ -449,9 +452,6 @@ fn best_fit<'a>(
         }
     }
     let mut fit = best?;
-    if basis.folds(&fit.spline, site.center, rules.radius(), false) {
-        return None;
-    }
     let heights = probes.heights(&fit, basis, &exemplar.terrain);
     let limit = rules.lift.map_or(0.0, |share| share * exemplar.range);
     let lift = probes.lift(&heights).unwrap_or(0.0).clamp(-limit, limit);
@@ -523,12 +523,10 @@ impl Frame {
         let old = scene.canvas.part(&window);
         let covered = |i: usize| {
             let (row, col) = window.cell(i);
-            let inside = row >= inner.top
+            row >= inner.top
                 && col >= inner.left
                 && row < inner.top + inner.rows
-                && col < inner.left + inner.cols;
-            // What is frozen has no new height, so nothing there is asked for.
-            inside && !scene.canvas.is_frozen(scene.canvas.index(&window, i))
+                && col < inner.left + inner.cols
         };
         let cells: Vec<usize> = (0..window.len()).filter(|&i| covered(i)).collect();
         let n = basis.n_terms();

@@ -3,13 +3,88 @@
 //! Zhou 2007 §5.2. Each branch point and end is a candidate, and every quarter patch along a line, in both directions;
 //! each also mirrored, unless that is switched off.
 
-use orograph_core::{Heightfield, Job, Result};
+use orograph_core::Unit;
+use orograph_core::prelude::*;
 
 use super::{
+    exemplar::Exemplar,
     network::{Arm, Network, Role, Site},
-    settings::Rules,
+    settings::{Preset, Rules},
     tps::Point,
 };
+
+/// Lists the places of an exemplar that patches can be taken from: branch points, ends, and steps along its lines.
+#[derive(Params, Clone, Debug)]
+pub struct Patches {
+    /// Side of a patch.
+    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
+    pub patch: u32,
+    /// Each place counts mirrored, too.
+    #[param(default = true)]
+    pub mirror: bool,
+}
+
+/// Inputs of [`Patches`].
+#[derive(Inputs)]
+pub struct PatchesIn<'a> {
+    /// Terrain to take patches from.
+    pub exemplar: &'a Heightfield,
+    /// Lines found on it.
+    pub features: &'a Features,
+}
+
+/// Outputs of [`Patches`].
+#[derive(Outputs)]
+pub struct PatchesOut {
+    /// One row for each candidate: kind, row and column of its centre, number of arms, 1 where mirrored.
+    pub patches: Table,
+}
+
+impl Node for Patches {
+    const ID: &'static str = "synthesis.patches";
+    const VERSION: u32 = 1;
+    const EXTENT: Extent = Extent::Global;
+    type Inputs<'a> = PatchesIn<'a>;
+    type Outputs = PatchesOut;
+
+    fn run(&self, inputs: PatchesIn<'_>, job: &Job) -> Result<PatchesOut> {
+        inputs.exemplar.grid().match_size("exemplar", &inputs.features.grid, "features")?;
+        let exemplar = Exemplar::new(inputs.exemplar, job)?;
+        let rules = Rules { mirror: self.mirror, ..Rules::of(Preset::Default, self.patch as usize) };
+        let network = Network::new(inputs.features, exemplar.scale);
+        let pool = extract(&network, 0, &exemplar.voids, &rules, job)?;
+        if pool.left_out > 0 {
+            job.warn(format!("{} places at the border or beside voids are left out", pool.left_out));
+        }
+        let all: Vec<&Candidate> = pool.branches.iter().chain(&pool.ends).chain(&pool.paths).collect();
+        let name = |candidate: &&Candidate| match candidate.site.role {
+            Role::Branch => "branch".to_owned(),
+            Role::End => "end".to_owned(),
+            Role::Path => "path".to_owned(),
+        };
+        // Rows and columns of the exemplar as it was given.
+        let place = |axis: usize| {
+            let scale = exemplar.scale[axis];
+            all.iter().map(|candidate| (candidate.site.center[axis] + 0.5) / scale - 0.5).collect()
+        };
+        let numbers =
+            |name: &str, unit, cells| Column { name: name.into(), unit, cells: Cells::Numbers(cells) };
+        let mirrored = all.iter().map(|candidate| f64::from(u8::from(candidate.mirrored))).collect();
+        let arms = all.iter().map(|candidate| candidate.site.arms.len() as f64).collect();
+        let patches = Table::new(vec![
+            Column {
+                name: "kind".into(),
+                unit: Unit::One,
+                cells: Cells::Texts(all.iter().map(name).collect()),
+            },
+            numbers("row", Unit::Cell, place(0)),
+            numbers("col", Unit::Cell, place(1)),
+            numbers("arms", Unit::One, arms),
+            numbers("mirrored", Unit::One, mirrored),
+        ])?;
+        Ok(PatchesOut { patches })
+    }
+}
 
 /// A place to take a patch from.
 #[derive(Clone, Debug, PartialEq)]
@@ -170,4 +245,60 @@ pub fn extract(
         ((number - 1) / 2) % keep == 0
     });
     Ok(pool)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::synthesis::network::{Chain, Knot};
+    use crate::test_fields::field;
+    use orograph_core::FeatureKind;
+
+    /// Three lines of 150 cells from (200, 200), one of them bent.
+    fn star() -> Network {
+        let tips = [[200.0, 350.0], [50.0, 200.0], [330.0, 125.0]];
+        let knot = |at: Point, chains: Vec<(usize, bool)>| Knot { at, height: 0.0, chains };
+        let mut knots = vec![knot([200.0; 2], vec![(0, true), (1, true), (2, true)])];
+        let mut chains = Vec::new();
+        for (i, tip) in tips.into_iter().enumerate() {
+            knots.push(knot(tip, vec![(i, false)]));
+            let track = vec![[200.0; 2], tip];
+            let length = libm::hypot(tip[0] - 200.0, tip[1] - 200.0);
+            chains.push(Chain { ends: [0, i + 1], track, along: vec![0.0, length] });
+        }
+        Network { kind: FeatureKind::Ridge, knots, chains, rings: Vec::new() }
+    }
+
+    #[test]
+    fn pools_hold_each_place_and_its_mirror_image() {
+        let terrain = field(401, 401, |row, col| (row + col) as f64);
+        let voids = VoidSums::new(&terrain);
+        let rules = Rules::of(Preset::Default, 60);
+        let pool = extract(&star(), 0, &voids, &rules, &Job::detached()).unwrap();
+        assert_eq!((pool.branches.len(), pool.ends.len(), pool.left_out), (2, 6, 0));
+        // Seven places on each line of 150 cells, 30 to 120 by 15, in two directions and two images.
+        assert_eq!(pool.paths.len(), 3 * 7 * 4);
+        for candidate in pool.branches.iter().chain(&pool.paths) {
+            let center = candidate.site.center;
+            for arm in &candidate.site.arms {
+                let away = libm::hypot(arm.tip()[0] - center[0], arm.tip()[1] - center[1]);
+                assert!((away - rules.radius()).abs() < 0.01, "{away}");
+            }
+            let twice = candidate.mirrored().mirrored();
+            assert_eq!((twice.mirrored, twice.site.role), (candidate.mirrored, candidate.site.role));
+            for (a, b) in twice.site.arms.iter().zip(&candidate.site.arms) {
+                assert!(libm::hypot(a.tip()[0] - b.tip()[0], a.tip()[1] - b.tip()[1]) < 1e-9);
+            }
+        }
+    }
+
+    #[test]
+    fn windows_that_meet_a_void_or_the_border_are_left_out() {
+        let terrain = field(401, 401, |row, col| if (row, col) == (60, 205) { f64::NAN } else { 1.0 });
+        let rules = Rules { mirror: false, ..Rules::of(Preset::Default, 60) };
+        let pool = extract(&star(), 0, &VoidSums::new(&terrain), &rules, &Job::detached()).unwrap();
+        assert_eq!(pool.ends.len(), 2);
+        let near = |candidate: &Candidate| candidate.site.center[0] < 60.0 + 38.0;
+        assert!(!pool.paths.iter().any(near) && pool.left_out > 1);
+    }
 }

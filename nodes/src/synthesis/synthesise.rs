@@ -259,7 +259,7 @@ pub fn synthesise(
     if let Some(reach) = rules.merge {
         merge(&mut canvas, reach, job)?;
     }
-    let (terrain, placement) = canvas.finish(grid)?;
+    let (terrain, placement) = canvas.finish(grid, &exemplars)?;
     Ok((terrain, placement, report))
 }
 
