@@ -16,6 +16,7 @@ pub mod mcmd;
 pub mod measure;
 pub mod repair;
 pub mod surface;
+pub mod synthesis;
 #[cfg(test)]
 mod test_fields;
 pub mod transform;
@@ -38,6 +39,7 @@ pub fn all() -> Vec<NodeType> {
         mcmd::nodes(),
         measure::nodes(),
         repair::nodes(),
+        synthesis::nodes(),
         transform::nodes(),
     ]
     .into_iter()

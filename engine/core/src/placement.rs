@@ -28,11 +28,13 @@ pub struct Patch {
 pub struct Placement {
     /// The grid of the output.
     pub grid: Grid,
+    /// For each exemplar how many rows and columns synthesis made of one of its own, when it made its cells square.
+    pub scales: Vec<[f64; 2]>,
     /// The patches in the order in which they were pasted.
     pub patches: Vec<Patch>,
     /// Per cell, row-major: index of its patch plus one, 0 for none.
     pub labels: Vec<u32>,
-    /// Per cell, row-major: row and column in the exemplar.
+    /// Per cell, row-major: row and column in the exemplar, in the cells that synthesis made of it.
     pub sources: Vec<[f32; 2]>,
     /// Cut edges: indices of the two adjacent cells.
     pub seams: Vec<[u32; 2]>,

@@ -15,6 +15,7 @@ pub mod legend;
 pub mod mark_known;
 pub mod mask_overlay;
 pub mod perspective;
+pub mod placement;
 pub mod plot;
 pub mod profile;
 pub mod slope;
@@ -36,6 +37,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<mark_known::MarkKnown>(),
         NodeType::of::<mask_overlay::MaskOverlay>(),
         NodeType::of::<perspective::Perspective>(),
+        NodeType::of::<placement::Placement>(),
         NodeType::of::<plot::Plot>(),
         NodeType::of::<profile::Profile>(),
         NodeType::of::<slope::Slope>(),
@@ -69,6 +71,18 @@ mod tests {
                 .features(Vec::new(), Vec::new())
                 .into(),
             ),
+            ValueType::Placement => {
+                let n = terrain.cells().len();
+                let placement = orograph_core::Placement {
+                    grid: terrain.grid().clone(),
+                    scales: Vec::new(),
+                    patches: Vec::new(),
+                    labels: (0..n as u32).map(|i| i / 7).collect(),
+                    sources: vec![[0.0; 2]; n],
+                    seams: (6..n.saturating_sub(1) as u32).step_by(7).map(|i| [i, i + 1]).collect(),
+                };
+                Value::Placement(placement.into())
+            }
             other => panic!("no sample of {other}"),
         };
         let slot = |port: &orograph_core::PortSpec| match port.arity {

@@ -67,8 +67,8 @@ pub(crate) fn value(of: ValueType, terrain: &Heightfield) -> Value {
         }
         ValueType::Placement => {
             let (labels, sources) = (vec![0; n], vec![[0.0; 2]; n]);
-            let (patches, seams) = (Vec::new(), Vec::new());
-            Value::Placement(Arc::new(Placement { grid, patches, labels, sources, seams }))
+            let (scales, patches, seams) = (Vec::new(), Vec::new(), Vec::new());
+            Value::Placement(Arc::new(Placement { grid, scales, patches, labels, sources, seams }))
         }
         ValueType::Table => {
             let column = |name: &str, cells| Column { name: name.into(), unit: Unit::Metre, cells };

@@ -1,0 +1,7 @@
+//! Poisson's equation on cells: what a step at a seam is spread with.
+
+pub mod masked;
+mod multigrid;
+pub mod natural;
+pub mod rectangle;
+pub mod seam;

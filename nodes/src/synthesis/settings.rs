@@ -1,0 +1,111 @@
+//! What the nodes of this family have in common: presets, order, and the numbers behind the steps.
+
+use orograph_core::prelude::*;
+
+use super::{cut::SeamWeight, poisson::seam::SeamGradient};
+
+/// Whose rules are followed.
+#[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Preset {
+    /// Ours: warps that follow lines between their ends too, costs in common units, patches lifted to the ground around
+    /// them, seams that keep their slope.
+    Default,
+    /// Zhou et al. 2007 to the letter: three control points to a path, costs in metres with the published weights, no
+    /// lifting, seams without slope.
+    PaperStrict,
+}
+
+/// The order in which patches are placed.
+#[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Order {
+    /// Breadth first along the feature tree, from its root.
+    Tree,
+    /// The same patches from top to bottom, for comparison.
+    RasterItems,
+    /// Features are ignored: overlapping windows from top to bottom, for comparison.
+    Raster,
+}
+
+/// The numbers that synthesis works with. Lengths are in cells of the output.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Rules {
+    /// Whose rules.
+    pub preset: Preset,
+    /// Side of a patch.
+    pub patch: usize,
+    /// Branch candidates that are cut.
+    pub n_branch: usize,
+    /// Path and end candidates that are cut.
+    pub n_path: usize,
+    /// Fill candidates that are cut.
+    pub n_fill: usize,
+    /// Of the candidates for a place, those whose seams are cut: the ones that differ least from the ground there.
+    pub n_cut: usize,
+    /// Distance in cells beyond which the final merge keeps the heights; `None` for no merge.
+    pub merge: Option<f64>,
+    /// Most that a patch is lifted, as a share of the exemplar's height range; `None` for no lifting.
+    pub lift: Option<f64>,
+    /// How seams are weighed.
+    pub seam_weight: SeamWeight,
+    /// What step is wanted across a seam.
+    pub seam_gradient: SeamGradient,
+    /// Cells beyond the overlap over which a seam is spread.
+    pub grow: usize,
+    /// Whether patches may be mirrored.
+    pub mirror: bool,
+    /// Weight of each earlier use of a source window.
+    pub repetition: f64,
+    /// Most uses of a source window while others are left.
+    pub max_uses: usize,
+    /// Seed of all choices.
+    pub seed: u64,
+}
+
+impl Rules {
+    /// The rules of a preset for patches of a size.
+    #[must_use]
+    pub fn of(preset: Preset, patch: usize) -> Self {
+        let strict = preset == Preset::PaperStrict;
+        Self {
+            preset,
+            patch,
+            n_branch: 10,
+            n_path: if strict { 32 } else { 12 },
+            n_fill: if strict { 10 } else { 4 },
+            n_cut: if strict { usize::MAX } else { 3 },
+            merge: (!strict).then_some(2.0 * patch as f64),
+            lift: (!strict).then_some(0.1),
+            seam_weight: SeamWeight::Plain,
+            seam_gradient: if strict { SeamGradient::Zero } else { SeamGradient::Average },
+            grow: 0,
+            mirror: true,
+            repetition: if strict { 0.0 } else { 0.25 },
+            max_uses: if strict { usize::MAX } else { 6 },
+            seed: 0,
+        }
+    }
+
+    /// Whether the paper is followed to the letter.
+    #[must_use]
+    pub fn strict(&self) -> bool {
+        self.preset == Preset::PaperStrict
+    }
+
+    /// Radius of the circle inside a patch.
+    #[must_use]
+    pub fn radius(&self) -> f64 {
+        (self.patch as f64 - 1.0) / 2.0
+    }
+
+    /// Side of the windows that fill what features leave open.
+    #[must_use]
+    pub fn fill_window(&self) -> usize {
+        (self.patch as f64 * 1.875).round() as usize
+    }
+
+    /// Distance between those windows.
+    #[must_use]
+    pub fn fill_step(&self) -> usize {
+        (self.patch as f64 * 1.25).round() as usize
+    }
+}

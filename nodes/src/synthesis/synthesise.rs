@@ -1,0 +1,380 @@
+//! Synthesis: terrain that looks like an exemplar and has the ridges or valleys of a sketch.
+//!
+//! Zhou, Sun, Turk, Rehg, "Terrain Synthesis from Digital Elevation Models" (2007). Patches of the exemplar are placed
+//! along the sketch's feature tree, each chosen, warped, cut and blended into what is there; what features leave open is
+//! filled with windows of the exemplar. The departures are told where the steps are.
+
+use orograph_core::mix64;
+use orograph_core::prelude::*;
+use orograph_core::{Placement, Unit};
+
+use super::{
+    canvas::{Canvas, Window},
+    cut::SeamWeight,
+    exemplar::Exemplar,
+    fill_windows::{self, Counts, Layout, Sources},
+    gradient_merge::merge,
+    matching::{Choice as Chosen, Scene, Uses, choose},
+    network::{Network, Role, Site},
+    patches::{Pool, extract},
+    settings::{Order, Preset, Rules},
+    ssd::Searcher,
+};
+
+/// Makes terrain from a sketch of its ridges or valleys and an exemplar whose ground it takes.
+///
+/// The output has the sketch's rows and columns and the exemplar's cells. Several exemplars are styles: a label map says
+/// which goes where. Without any line in the sketch the exemplar's ground is continued everywhere.
+#[derive(Params, Clone, Debug)]
+pub struct Synthesise {
+    /// Whose rules are followed; the paper's own override lift, seams and repetition.
+    #[param(default = Preset::Default)]
+    pub preset: Preset,
+    /// Side of a patch. Lines of the sketch should lie further apart than this.
+    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
+    pub patch: u32,
+    /// The order in which patches are placed.
+    #[param(default = Order::Tree)]
+    pub order: Order,
+    /// Candidates for a path or an end whose seams are compared.
+    #[param(default = 10u32, range = 1..=1000, slider = 1..=64, unit = "1")]
+    pub candidates: u32,
+    /// Most that a patch is raised or lowered to meet the ground around it, as a share of the exemplar's height range.
+    #[param(default = 0.1, range = 0.0..=10.0, slider = 0.0..=1.0, unit = "1")]
+    pub lift: f64,
+    /// How the mismatch along a seam is weighed.
+    #[param(default = SeamWeight::Plain)]
+    pub seam_weight: SeamWeight,
+    /// Cells beyond the overlap of two patches over which their step is spread.
+    #[param(default = 0u32, range = 0..=256, slider = 0..=20, unit = "cells")]
+    pub spread: u32,
+    /// Patches may be mirrored.
+    #[param(default = true)]
+    pub mirror: bool,
+    /// Weight of each earlier use of the same ground.
+    #[param(default = 0.25, range = 0.0..=100.0, slider = 0.0..=2.0, unit = "1")]
+    pub repetition: f64,
+    /// Seed of the choices that are left to chance; the run's seed counts too.
+    #[param(default = 0u64, range = 0..=4_294_967_295i64, slider = 0..=1000, unit = "seed")]
+    pub seed: u64,
+}
+
+/// Inputs of [`Synthesise`].
+#[derive(Inputs)]
+pub struct SynthesiseIn<'a> {
+    /// Lines to follow, such as those of a sketch; of several networks, as ridges and valleys, the first comes first.
+    pub sketches: Vec<&'a Features>,
+    /// Terrain to take ground from; several are styles, numbered from 0.
+    pub exemplars: Vec<&'a Heightfield>,
+    /// Lines found on the exemplars, on the grids of these.
+    pub features: Vec<&'a Features>,
+    /// Number of the style at each cell, on the sketch's grid; style 0 everywhere when unconnected.
+    pub styles: Option<&'a Heightfield>,
+    /// Ground that is there already and stays, on the sketch's grid; voids are to be made.
+    pub given: Option<&'a Heightfield>,
+}
+
+/// Outputs of [`Synthesise`].
+#[derive(Outputs)]
+pub struct SynthesiseOut {
+    /// The terrain.
+    pub terrain: Heightfield,
+    /// Which patch went where.
+    pub placement: Placement,
+    /// Counts of what was placed and what was not.
+    pub report: Table,
+}
+
+impl Node for Synthesise {
+    const ID: &'static str = "synthesis.synthesise";
+    const VERSION: u32 = 1;
+    const EXTENT: Extent = Extent::Global;
+    const READS: &'static [ContextItem] = &[ContextItem::Seed];
+    type Inputs<'a> = SynthesiseIn<'a>;
+    type Outputs = SynthesiseOut;
+
+    fn cost(&self) -> f64 {
+        2000.0
+    }
+
+    fn run(&self, inputs: SynthesiseIn<'_>, job: &Job) -> Result<SynthesiseOut> {
+        let mut rules = Rules::of(self.preset, self.patch as usize);
+        rules.seed = mix64(self.seed ^ mix64(job.seed()));
+        rules.mirror = self.mirror;
+        rules.seam_weight = self.seam_weight;
+        rules.grow = self.spread as usize;
+        if !rules.strict() {
+            rules.n_path = self.candidates as usize;
+            rules.lift = Some(self.lift);
+            rules.repetition = self.repetition;
+        }
+        let (terrain, placement, counts) = synthesise(&inputs, &rules, self.order, job)?;
+        let report = counts.table()?;
+        Ok(SynthesiseOut { terrain, placement, report })
+    }
+}
+
+/// What was placed.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Report {
+    /// Places planned.
+    pub planned: usize,
+    /// Patches placed, by role: branches, ends, paths.
+    pub placed: [usize; 3],
+    /// Places that no candidate fitted.
+    pub unmatched: usize,
+    /// Candidates left out at the exemplar's rim or beside voids.
+    pub left_out: usize,
+    /// Mean mismatch along the features' seams before they were removed, in metres.
+    pub seam: f64,
+    /// What was filled.
+    pub fill: Counts,
+}
+
+impl Report {
+    fn table(&self) -> Result<Table> {
+        let n = |n: usize| n as f64;
+        Table::metrics([
+            ("planned", Unit::One, n(self.planned)),
+            ("branches", Unit::One, n(self.placed[0])),
+            ("ends", Unit::One, n(self.placed[1])),
+            ("paths", Unit::One, n(self.placed[2])),
+            ("unmatched", Unit::One, n(self.unmatched)),
+            ("candidates_left_out", Unit::One, n(self.left_out)),
+            ("seam_mismatch", Unit::Metre, self.seam),
+            ("fill_windows", Unit::One, n(self.fill.pasted)),
+            ("smoothed_cells", Unit::Cell, n(self.fill.smoothed)),
+        ])
+    }
+}
+
+/// An exemplar's networks and pools, by kind of feature.
+struct Style {
+    networks: Vec<Network>,
+    pools: Vec<Pool>,
+}
+
+/// The terrain, where it came from, and what was placed.
+///
+/// # Errors
+/// [`Error::EmptyInput`], [`Error::AllVoid`] and [`Error::NonFinite`] for the exemplars, [`Error::DimensionMismatch`],
+/// [`Error::TooLarge`], those of the steps, and cancellation.
+pub fn synthesise(
+    inputs: &SynthesiseIn<'_>,
+    rules: &Rules,
+    order: Order,
+    job: &Job<'_>,
+) -> Result<(Heightfield, Placement, Report)> {
+    let sketch =
+        inputs.sketches.first().ok_or_else(|| Error::EmptyInput { what: "the list of sketches".into() })?;
+    let size = sketch.grid.size();
+    for other in &inputs.sketches {
+        sketch.grid.match_size("the first sketch", &other.grid, "another sketch")?;
+    }
+    let exemplars: Vec<Exemplar> =
+        inputs.exemplars.iter().map(|terrain| Exemplar::new(terrain, job)).collect::<Result<_>>()?;
+    let Some(first) = exemplars.first() else {
+        return Err(Error::EmptyInput { what: "the list of exemplars".into() });
+    };
+    let mut grid = sketch.grid.clone();
+    (grid.cell, grid.georef) = (first.terrain.grid().cell, None);
+    let rules = &fitting(rules, &exemplars, job);
+    let mut canvas = Canvas::new(size, job)?;
+    if let Some(given) = inputs.given {
+        sketch.grid.match_size("sketch", given.grid(), "given")?;
+        canvas.freeze(given);
+    }
+    if let Some(styles) = inputs.styles {
+        sketch.grid.match_size("sketch", styles.grid(), "styles")?;
+    }
+    let mut report = Report::default();
+    let styles = styles(inputs, &exemplars, rules, &mut report, job)?;
+    let style_of = |canvas: &Canvas, window: &Window| match inputs.styles {
+        Some(labels) => main_style(canvas, window, labels, exemplars.len()),
+        None => 0,
+    };
+    let mut uses = Uses::default();
+    let drawn = inputs.sketches.iter().any(|sketch| !sketch.lines.is_empty());
+    if !drawn {
+        job.warn("the sketch has no lines: the exemplar's ground is continued everywhere");
+    }
+    if order != Order::Raster {
+        let mut cores: Vec<[f64; 2]> = Vec::new();
+        for sketch in &inputs.sketches {
+            let network = Network::new(sketch, [1.0; 2]);
+            let mut plan = network.plan(rules.patch as f64);
+            if order == Order::RasterItems {
+                let band = |site: &Site| (site.center[0] / (rules.patch as f64 / 2.0)).floor();
+                plan.sort_by(|a, b| band(a).total_cmp(&band(b)).then(a.center[1].total_cmp(&b.center[1])));
+            }
+            let earlier = cores.len();
+            report.planned += plan.len();
+            let stage = job.stage(plan.len() as u64);
+            for site in plan {
+                stage.advance(1);
+                job.check()?;
+                let close = |core: &[f64; 2]| {
+                    libm::hypot(core[0] - site.center[0], core[1] - site.center[1]) < rules.patch as f64 / 4.0
+                };
+                if cores[..earlier].iter().any(close) || is_given(&canvas, &site) {
+                    continue;
+                }
+                let window = Window::around(site.center[0] as i64, site.center[1] as i64, rules.patch, size);
+                if window.is_empty() {
+                    continue;
+                }
+                let style = &styles[style_of(&canvas, &window)];
+                let scene =
+                    Scene { canvas: &canvas, exemplars: &exemplars, kind: sketch.kind, uses: &uses, rules };
+                let found = place(&site, style, &scene, job)?;
+                if found.is_empty() {
+                    report.unmatched += 1;
+                }
+                for chosen in found {
+                    report.seam += chosen.seam.mean_cost();
+                    report.placed[chosen_role(&site)] += 1;
+                    uses.add(chosen.patch.exemplar as usize, chosen.patch.source_center);
+                    let Chosen { sheet, old, seam, patch, sources, .. } = chosen;
+                    canvas.paste(&sheet, &old, &seam, patch, |i| sources[i], rules, job)?;
+                    cores.push(site.center);
+                }
+            }
+        }
+        if report.unmatched > 0 {
+            job.warn(format!("{} places of the sketch found no patch that fits", report.unmatched));
+        }
+    }
+    report.seam /= (report.placed.iter().sum::<usize>() as f64).max(1.0);
+    let searchers: Vec<Searcher<'_>> = exemplars
+        .iter()
+        .zip(&styles)
+        .map(|(exemplar, style)| Searcher::new(exemplar, &style.networks.iter().collect::<Vec<_>>(), job))
+        .collect::<Result<_>>()?;
+    let sources = Sources { exemplars: &exemplars, searchers: &searchers };
+    let layout = layout(rules, order, drawn, &exemplars);
+    report.fill = fill_windows::fill(&mut canvas, &sources, &layout, &style_of, &mut uses, rules, job)?;
+    if report.fill.smoothed > 0 {
+        job.warn(format!("{} cells found nothing that fits and are filled smoothly", report.fill.smoothed));
+    }
+    if let Some(reach) = rules.merge {
+        merge(&mut canvas, reach, job)?;
+    }
+    let (terrain, placement) = canvas.finish(grid, &exemplars)?;
+    Ok((terrain, placement, report))
+}
+
+fn chosen_role(site: &Site) -> usize {
+    match site.role {
+        Role::Branch => 0,
+        Role::End => 1,
+        Role::Path => 2,
+    }
+}
+
+/// The rules with a patch that fits into the smallest exemplar.
+fn fitting(rules: &Rules, exemplars: &[Exemplar], job: &Job<'_>) -> Rules {
+    let sides = exemplars.iter().map(|exemplar| exemplar.terrain.rows().min(exemplar.terrain.cols()));
+    let most = sides.min().unwrap_or(1).max(1);
+    let patch = rules.patch.min(most);
+    if patch < rules.patch {
+        job.warn(format!(
+            "an exemplar is smaller than a patch of {} cells: {patch} cells are used",
+            rules.patch
+        ));
+    }
+    Rules { patch, ..*rules }
+}
+
+fn layout(rules: &Rules, order: Order, drawn: bool, exemplars: &[Exemplar]) -> Layout {
+    let sides = exemplars.iter().map(|exemplar| exemplar.terrain.rows().min(exemplar.terrain.cols()));
+    let most = sides.min().unwrap_or(1).max(1);
+    if order == Order::Raster {
+        let step = (rules.patch * 2 / 3).max(1);
+        return Layout { side: rules.patch, step, raster: true, most_lines: f64::INFINITY };
+    }
+    let side = rules.fill_window().min(most);
+    let step = rules.fill_step().min((side * 2 / 3).max(1));
+    let most_lines = if drawn { side as f64 / 4.0 } else { f64::INFINITY };
+    Layout { side, step, raster: false, most_lines }
+}
+
+/// Whether a place lies on ground that stays.
+fn is_given(canvas: &Canvas, site: &Site) -> bool {
+    let [row, col] = site.center.map(|x| (x + 0.5).floor());
+    let (rows, cols) = canvas.size;
+    let inside = row >= 0.0 && col >= 0.0 && row < rows as f64 && col < cols as f64;
+    inside && canvas.is_frozen(row as usize * cols + col as usize)
+}
+
+/// The style of most of a window's unknown cells; of equals the least.
+fn main_style(canvas: &Canvas, window: &Window, labels: &Heightfield, n: usize) -> usize {
+    let mut counts = vec![0_usize; n];
+    for i in 0..window.len() {
+        let at = canvas.index(window, i);
+        let label = labels.cells()[at];
+        if canvas.heights[at].is_nan() && label >= 0.0 {
+            let style = (label + 0.5) as usize;
+            counts[style.min(n - 1)] += 1;
+        }
+    }
+    let most = counts.iter().copied().max().unwrap_or(0);
+    counts.iter().position(|&count| count == most).unwrap_or(0)
+}
+
+/// Networks and pools of each exemplar. A network belongs to the first exemplar of its grid that has none of its kind.
+fn styles(
+    inputs: &SynthesiseIn<'_>,
+    exemplars: &[Exemplar],
+    rules: &Rules,
+    report: &mut Report,
+    job: &Job<'_>,
+) -> Result<Vec<Style>> {
+    let mut styles: Vec<Style> =
+        exemplars.iter().map(|_| Style { networks: Vec::new(), pools: Vec::new() }).collect();
+    for features in &inputs.features {
+        let takes = |(i, style): &(usize, &Style)| {
+            inputs.exemplars[*i].grid() == &features.grid
+                && style.networks.iter().all(|network| network.kind != features.kind)
+        };
+        let Some((owner, _)) = styles.iter().enumerate().find(takes) else {
+            return Err(Error::invalid(
+                "features were given that lie on no exemplar's grid, or twice",
+                "connect to `features` what `feature.ppa` finds on each exemplar, once for each kind",
+            ));
+        };
+        let network = Network::new(features, exemplars[owner].scale);
+        let pool = extract(&network, owner, &exemplars[owner].voids, rules, job)?;
+        report.left_out += pool.left_out;
+        styles[owner].networks.push(network);
+        styles[owner].pools.push(pool);
+    }
+    Ok(styles)
+}
+
+/// What goes to a place: one patch, or several paths through a branch that no candidate fits, or nothing.
+fn place(site: &Site, style: &Style, scene: &Scene<'_>, job: &Job<'_>) -> Result<Vec<Chosen>> {
+    let Some(at) = style.networks.iter().position(|network| network.kind == scene.kind) else {
+        return Ok(Vec::new());
+    };
+    let pool = &style.pools[at];
+    if let Some(chosen) = choose(site, pool, scene, job)? {
+        return Ok(vec![chosen]);
+    }
+    if site.role == Role::Path || site.arms.len() < 2 {
+        return Ok(Vec::new());
+    }
+    // The straightest way through.
+    let (mut best, mut pair) = (f64::INFINITY, [0, 1]);
+    for a in 0..site.arms.len() {
+        for b in a + 1..site.arms.len() {
+            let apart = (site.arms[a].angle() - site.arms[b].angle()).abs();
+            let bent = (apart - std::f64::consts::PI).abs();
+            if bent < best {
+                (best, pair) = (bent, [a, b]);
+            }
+        }
+    }
+    let through =
+        Site { role: Role::Path, center: site.center, arms: pair.map(|arm| site.arms[arm].clone()).into() };
+    Ok(choose(&through, pool, scene, job)?.into_iter().collect())
+}
