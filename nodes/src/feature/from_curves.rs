@@ -15,11 +15,14 @@ use super::{
     rings,
     settings::{Kind, Shaping},
 };
-use crate::mcmd::{extent::extent, sketch::Coordinates};
+use crate::{
+    Ground,
+    mcmd::{extent::extent, sketch::Coordinates},
+};
 
 /// Turns drawn polylines into ridges or valleys.
 ///
-/// The grid is that of `like`, else it is made from width, height and cells.
+/// The grid is that of `like`; unconnected, the settings say how much ground to cover.
 #[derive(Params, Clone, Debug)]
 pub struct FromCurves {
     /// Polylines of (x, y, height); heights say where a closed loop is opened.
@@ -37,15 +40,9 @@ pub struct FromCurves {
     /// Smoothing passes over each line, whose vertices are a cell apart.
     #[param(default = 2u32, range = 0..=1024, slider = 0..=100, unit = "1")]
     pub smooth_passes: u32,
-    /// Width of the ground when `like` is not connected.
-    #[param(default = 10_000, range = 0.001..=10_000_000.0, slider = 1000.0..=100_000.0, unit = "m")]
-    pub width: f64,
-    /// Height of the ground, from south to north, in the same case.
-    #[param(default = 10_000, range = 0.001..=10_000_000.0, slider = 1000.0..=100_000.0, unit = "m")]
-    pub height: f64,
-    /// Cells along the longer side in the same case; the run's resolution overrides it.
-    #[param(default = 512u32, range = 1..=65_537, slider = 64..=4096, unit = "cells")]
-    pub cells: u32,
+    /// The ground to cover.
+    #[param(flatten)]
+    pub ground: Ground,
 }
 
 /// Inputs of [`FromCurves`].
@@ -76,7 +73,7 @@ impl Node for FromCurves {
         job.check()?;
         let grid = match inputs.like {
             Some(like) => like.grid().clone(),
-            None => extent(self.width, self.height, self.cells, job)?,
+            None => extent(&self.ground, job)?,
         };
         let mut curves: Vec<Vec<[f64; 3]>> = Vec::new();
         for line in &self.lines.0 {
