@@ -11,6 +11,7 @@ pub mod forest;
 pub mod from_curves;
 pub mod from_sketch;
 pub mod lattice;
+mod loops;
 pub mod medial;
 mod nearest;
 pub mod network;
