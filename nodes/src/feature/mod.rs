@@ -1,6 +1,9 @@
 //! Ridges and valleys as networks of lines: found in terrain or in a sketch, ordered for synthesis, compared.
 //!
-//! The pure functions that other families call: [`ppa::find`] and [`sketch::prepare`] with [`from_sketch::trace`].
+//! The pure functions that other families call: [`ppa::find`] for terrain, [`sketch::prepare`] with
+//! [`from_sketch::trace`] for sketches, [`from_curves::trace`] for polylines; [`network::Network`] for what meets where
+//! and the arms of a place; [`plan::plan`] for the order of patches; [`profiles::take`] for heights across lines;
+//! [`adherence::Measured`] for comparisons.
 
 pub mod adherence;
 pub mod branch_reduction;
@@ -11,6 +14,7 @@ pub mod forest;
 pub mod from_curves;
 pub mod from_sketch;
 pub mod lattice;
+mod loops;
 pub mod medial;
 mod nearest;
 pub mod network;

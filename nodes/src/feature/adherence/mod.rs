@@ -6,17 +6,23 @@
 //! the drawing. Two more tests need no search for lines: whether the ground stands above both sides along the drawn
 //! lines, and for how long each is followed without a break.
 
-use orograph_core::{Column, FeatureKind, Unit, prelude::*};
+mod copies;
+mod strongest;
 
+use orograph_core::{Column, Unit, prelude::*};
+
+use self::{
+    copies::{Copy, standing_share},
+    strongest::{strongest, topology},
+};
 use super::{
-    chains::{distance, resample},
+    chains::resample,
     nearest::Nearest,
     network::Network,
     ppa::find,
     profiles::normal,
     settings::{Shaping, Steps},
 };
-use crate::transform::sample::{Interpolation, sample};
 
 /// Measures how well the ridges or valleys of a terrain follow drawn ones.
 #[derive(Params, Clone, Debug)]
@@ -295,142 +301,4 @@ fn median(values: impl Iterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.collect();
     values.sort_by(f64::total_cmp);
     values.get(values.len() / 2).copied().unwrap_or(f64::NAN)
-}
-
-/// The terrain seen otherwise.
-#[derive(Clone, Copy, Debug)]
-enum Copy {
-    Turned,
-    MirroredAcross,
-    MirroredDown,
-    /// Shifted by so many thirds of its rows and columns; what leaves on one side comes in on the other.
-    Shifted(u8, u8),
-}
-
-impl Copy {
-    fn all() -> impl Iterator<Item = Self> {
-        let thirds = (0..3).flat_map(|down| (0..3).map(move |across| Self::Shifted(down, across)));
-        [Self::Turned, Self::MirroredAcross, Self::MirroredDown].into_iter().chain(thirds.skip(1))
-    }
-
-    /// Where in the terrain a place of the copy lies.
-    fn find(self, [row, col]: [f64; 2], rows: usize, cols: usize) -> [f64; 2] {
-        let back = |at: f64, n: usize| n as f64 - 1.0 - at;
-        let shift = |at: f64, n: usize, thirds: u8| {
-            let n = n as f64;
-            let to = at + f64::from(thirds) * n / 3.0;
-            if to > n - 0.5 { to - n } else { to }
-        };
-        match self {
-            Self::Turned => [back(row, rows), back(col, cols)],
-            Self::MirroredAcross => [row, back(col, cols)],
-            Self::MirroredDown => [back(row, rows), col],
-            Self::Shifted(down, across) => [shift(row, rows, down), shift(col, cols, across)],
-        }
-    }
-}
-
-/// Share of the samples that stand out from the ground `flank` cells to either side; those beside unknown ground do
-/// not count.
-fn standing_share(
-    all: &[Sample],
-    terrain: &Heightfield,
-    kind: FeatureKind,
-    flank: f64,
-    moved: impl Fn([f64; 2]) -> [f64; 2],
-) -> f64 {
-    let height = |at: [f64; 2]| {
-        let [row, col] = moved(at);
-        sample(terrain, row, col, Interpolation::Bilinear)
-    };
-    let (mut n, mut standing) = (0.0, 0.0);
-    for &(at, across) in all {
-        let side = |sign: f64| height([0, 1].map(|k| at[k] + sign * flank * across[k]));
-        let (middle, sides) = (height(at), [side(1.0), side(-1.0)]);
-        if middle.is_nan() || sides[0].is_nan() || sides[1].is_nan() {
-            continue;
-        }
-        n += 1.0;
-        let out = match kind {
-            FeatureKind::Ridge => sides.iter().all(|side| middle > *side),
-            FeatureKind::Valley => sides.iter().all(|side| middle < *side),
-        };
-        standing += f64::from(u8::from(out));
-    }
-    standing / n
-}
-
-/// The lines with the greatest product of length and height over their sides, until `length` is reached.
-fn strongest(network: &Network<'_>, terrain: &Heightfield, length: f64) -> Vec<usize> {
-    let features = network.features();
-    let off = 3.0 * features.scale;
-    let turn = if features.kind == FeatureKind::Ridge { 1.0 } else { -1.0 };
-    let strength = |line: usize| {
-        let path = &features.lines[line].vertices;
-        let (mut n, mut sum) = (0.0, 0.0);
-        for (i, &at) in path.iter().enumerate() {
-            let across = normal(path, i);
-            let height = |sign: f64| {
-                let [row, col] = [0, 1].map(|k| at[k] + sign * off * across[k]);
-                f64::from(sample(terrain, row, col, Interpolation::Bilinear))
-            };
-            let drop = turn * (height(0.0) - (height(1.0) + height(-1.0)) / 2.0);
-            if drop.is_finite() {
-                (n, sum) = (n + 1.0, sum + drop);
-            }
-        }
-        if n > 0.0 { network.length(line) * sum / n } else { 0.0 }
-    };
-    let mut ranked: Vec<(f64, usize)> =
-        (0..features.lines.len()).map(|line| (strength(line), line)).collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
-    let mut so_far = 0.0;
-    let enough = |&(_, line): &(f64, usize)| {
-        let wanted = so_far < length;
-        so_far += network.length(line);
-        wanted
-    };
-    let mut lines: Vec<usize> = ranked.into_iter().take_while(enough).map(|ranked| ranked.1).collect();
-    lines.sort_unstable();
-    lines
-}
-
-/// Branch points and components of some lines, points nearer than `radius` taken as one.
-fn topology(network: &Network<'_>, lines: &[usize], radius: f64) -> [usize; 2] {
-    let features = network.features();
-    let mut degrees = vec![0_usize; features.points.len()];
-    let mut trees: Vec<usize> = (0..features.points.len()).collect();
-    let root = |trees: &[usize], mut point: usize| {
-        while trees[point] != point {
-            point = trees[point];
-        }
-        point
-    };
-    for &line in lines {
-        let ends = [features.lines[line].from as usize, features.lines[line].to as usize];
-        ends.iter().for_each(|&end| degrees[end] += 1);
-        let (a, b) = (root(&trees, ends[0]), root(&trees, ends[1]));
-        trees[a.max(b)] = a.min(b);
-    }
-    let used: Vec<usize> = (0..degrees.len()).filter(|&point| degrees[point] > 0).collect();
-    let mut groups: Vec<usize> = (0..degrees.len()).collect();
-    for (i, &a) in used.iter().enumerate() {
-        for &b in &used[i + 1..] {
-            if distance(network.place(a), network.place(b)) > radius {
-                continue;
-            }
-            for forest in [&mut trees, &mut groups] {
-                let (a, b) = (root(forest, a), root(forest, b));
-                forest[a.max(b)] = a.min(b);
-            }
-        }
-    }
-    let count = |forest: &[usize], points: &mut dyn Iterator<Item = usize>| {
-        let mut roots: Vec<usize> = points.map(|point| root(forest, point)).collect();
-        roots.sort_unstable();
-        roots.dedup();
-        roots.len()
-    };
-    let branches = count(&groups, &mut used.iter().copied().filter(|&point| degrees[point] >= 3));
-    [branches, count(&trees, &mut used.iter().copied())]
 }
