@@ -9,6 +9,7 @@
 mod real_dem {
     pub(crate) mod io;
     pub(crate) mod mcmd;
+    pub(crate) mod measure;
 }
 
 use std::{
@@ -37,7 +38,10 @@ impl Check {
 }
 
 fn checks() -> Vec<Check> {
-    [real_dem::io::checks(), real_dem::mcmd::checks()].into_iter().flatten().collect()
+    [real_dem::io::checks(), real_dem::mcmd::checks(), real_dem::measure::checks()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 fn main() -> ExitCode {
