@@ -10,6 +10,7 @@ mod real_dem {
     pub(crate) mod feature;
     pub(crate) mod io;
     pub(crate) mod mcmd;
+    pub(crate) mod measure;
 }
 
 use std::{
@@ -38,10 +39,15 @@ impl Check {
 }
 
 fn checks() -> Vec<Check> {
-    [real_dem::feature::checks(), real_dem::io::checks(), real_dem::mcmd::checks()]
-        .into_iter()
-        .flatten()
-        .collect()
+    [
+        real_dem::feature::checks(),
+        real_dem::io::checks(),
+        real_dem::mcmd::checks(),
+        real_dem::measure::checks(),
+    ]
+    .into_iter()
+    .flatten()
+    .collect()
 }
 
 fn main() -> ExitCode {

@@ -111,7 +111,7 @@ impl ContactSheet {
 
 /// The picture in another size: each new pixel is the mean of the old ones that it covers, weighted by area
 /// and alpha.
-fn scaled(picture: &Texture, (width, height): (usize, usize), job: &Job) -> Result<Texture> {
+pub(crate) fn scaled(picture: &Texture, (width, height): (usize, usize), job: &Job) -> Result<Texture> {
     let (rows, cols) = picture.grid().size();
     if (height, width) == (rows, cols) {
         return picture.crop(0, 0, rows, cols, job);

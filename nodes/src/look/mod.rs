@@ -48,7 +48,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
 mod tests {
     use super::*;
     use crate::{measure, test_fields::field};
-    use orograph_core::{Arity, Slot, Unit, ValueType, prelude::*};
+    use orograph_core::{Arity, Placement, Slot, Unit, ValueType, prelude::*};
 
     /// Something for every port of a node, all of it on the grid of `terrain`.
     fn slots(node: &NodeType, terrain: &Heightfield) -> Vec<Slot> {
@@ -61,28 +61,8 @@ mod tests {
                 Value::Texture(picture.into())
             }
             ValueType::Table => Value::Table(Table::metrics([("a", Unit::Metre, 1.0)]).unwrap().into()),
-            ValueType::Features => Value::Features(
-                crate::feature::forest::Frame {
-                    grid: terrain.grid(),
-                    blocks: crate::feature::lattice::Blocks { down: 1, across: 1 },
-                    heights: &[],
-                    kind: orograph_core::FeatureKind::Ridge,
-                }
-                .features(Vec::new(), Vec::new())
-                .into(),
-            ),
-            ValueType::Placement => {
-                let n = terrain.cells().len();
-                let placement = orograph_core::Placement {
-                    grid: terrain.grid().clone(),
-                    scales: Vec::new(),
-                    patches: Vec::new(),
-                    labels: (0..n as u32).map(|i| i / 7).collect(),
-                    sources: vec![[0.0; 2]; n],
-                    seams: (6..n.saturating_sub(1) as u32).step_by(7).map(|i| [i, i + 1]).collect(),
-                };
-                Value::Placement(placement.into())
-            }
+            ValueType::Placement => Value::Placement(unplaced(terrain.grid()).into()),
+            ValueType::Features => Value::Features(no_lines(terrain.grid()).into()),
             other => panic!("no sample of {other}"),
         };
         let slot = |port: &orograph_core::PortSpec| match port.arity {
@@ -90,6 +70,31 @@ mod tests {
             _ => Slot::One(value(port.value_type)),
         };
         node.spec().inputs.iter().map(slot).collect()
+    }
+
+    fn unplaced(grid: &Grid) -> Placement {
+        let (labels, sources) = (vec![0; grid.len()], vec![[0.0; 2]; grid.len()]);
+        Placement {
+            grid: grid.clone(),
+            scales: Vec::new(),
+            patches: Vec::new(),
+            labels,
+            sources,
+            seams: Vec::new(),
+        }
+    }
+
+    fn no_lines(grid: &Grid) -> Features {
+        Features {
+            grid: grid.clone(),
+            kind: FeatureKind::Valley,
+            points: Vec::new(),
+            lines: Vec::new(),
+            rings: Vec::new(),
+            scale: 1.0,
+            profile_len: 0,
+            profile_step: 1.0,
+        }
     }
 
     fn run(node: &NodeType, terrain: &Heightfield) -> Result<Vec<Value>> {

@@ -1,0 +1,169 @@
+//! Realism: a terrain beside the exemplar that it should look like.
+//!
+//! How far apart two terrains of the same kind may lie is not known beforehand, so the exemplar says it: every
+//! distance is held against the same distance between halves of the exemplar, the mean of west against east and
+//! north against south.
+
+pub mod picture;
+pub mod portrait;
+pub mod verdict;
+
+use orograph_core::{Placement, prelude::*};
+
+use picture::Side;
+use portrait::Portrait;
+use verdict::Bars;
+
+/// Reports how far a terrain is from its exemplar, as a table and as a picture.
+///
+/// Each distance stands beside the one between halves of the exemplar itself, their ratio, and the most that is
+/// good enough. A half is a smaller terrain than the whole, so the comparison is a hard one.
+#[derive(Params, Clone, Debug)]
+pub struct Realism {
+    /// Most that a distance may be, over that between the exemplar's halves.
+    #[param(default = 1.5, range = 0.0..=100.0, slider = 1.0..=3.0, unit = "1")]
+    pub ratio_bar: f64,
+    /// Most that density and depth of closed depressions may be, over the exemplar's.
+    #[param(default = 2, range = 0.0..=100.0, slider = 1.0..=4.0, unit = "1")]
+    pub pit_bar: f64,
+    /// Most that seams may stand out or be ironed flat, as a logarithm; see `measure.seams`.
+    #[param(default = 0.25, range = 0.0..=10.0, slider = 0.05..=1.0, unit = "1")]
+    pub seam_bar: f64,
+    /// What the picture calls the terrain.
+    #[param(default = "terrain")]
+    pub terrain_label: String,
+    /// What the picture calls the exemplar.
+    #[param(default = "exemplar")]
+    pub exemplar_label: String,
+    /// Longer side of each terrain in the picture.
+    #[param(default = 480u32, range = 240..=4096, slider = 320..=1200, unit = "px")]
+    pub size: u32,
+}
+
+/// Inputs of [`Realism`].
+#[derive(Inputs)]
+pub struct RealismIn<'a> {
+    /// Terrain to judge.
+    pub terrain: &'a Heightfield,
+    /// Terrain that it should look like, of any size.
+    pub exemplar: &'a Heightfield,
+    /// Which patch each cell of the terrain came from, for its seams.
+    pub placement: Option<&'a Placement>,
+}
+
+/// Outputs of [`Realism`].
+#[derive(Outputs)]
+pub struct RealismOut {
+    /// One row for each metric: figures of both, distance, distance between halves, ratio, bar, whether met.
+    pub report: Table,
+    /// Both terrains shaded, their distributions of slopes, heights, wavelengths and landforms, and the figures.
+    pub picture: Texture,
+}
+
+impl Node for Realism {
+    const ID: &'static str = "measure.realism";
+    const VERSION: u32 = 1;
+    const EXTENT: Extent = Extent::Global;
+    type Inputs<'a> = RealismIn<'a>;
+    type Outputs = RealismOut;
+
+    fn cost(&self) -> f64 {
+        1000.0
+    }
+
+    fn run(&self, inputs: RealismIn<'_>, job: &Job) -> Result<RealismOut> {
+        let RealismIn { terrain, exemplar, placement } = inputs;
+        job.check()?;
+        terrain.known_range("terrain")?;
+        exemplar.known_range("exemplar")?;
+        let [own, other] = [terrain, exemplar].map(|field| field.grid().cell);
+        let alike = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
+        if !(alike(own.x, other.x) && alike(own.y, other.y)) {
+            job.warn(format!(
+                "cells of {} × {} m are held against cells of {} × {} m: slopes and curvatures depend on their size",
+                own.x, own.y, other.x, other.y
+            ));
+        }
+        let sides = [Portrait::of(terrain, job)?, Portrait::of(exemplar, job)?];
+        let halves = verdict::between_halves(exemplar, job)?;
+        let bars = Bars { ratio: self.ratio_bar, pits: self.pit_bar, seams: self.seam_bar };
+        let lines = verdict::judge((terrain, &sides[0]), &sides[1], halves, placement, bars, job)?;
+        let side = |label, terrain, portrait| Side { label, terrain, portrait };
+        let picture = picture::draw(
+            [side(&self.terrain_label, terrain, &sides[0]), side(&self.exemplar_label, exemplar, &sides[1])],
+            &lines,
+            self.size,
+            job,
+        )?;
+        Ok(RealismOut { report: verdict::table(&lines)?, picture })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::{
+        measure::{
+            curvature::{Curvature, CurvatureIn},
+            drainage::{Drainage, DrainageIn},
+            geomorphons::{Geomorphons, GeomorphonsIn},
+            hypsometry::{Hypsometry, HypsometryIn},
+            slope_distribution::{SlopeDistribution, SlopeDistributionIn},
+            spectrum::{Spectrum, SpectrumIn},
+            variogram::{Variogram, VariogramIn},
+        },
+        test_fields::field,
+    };
+
+    fn hills(scale: f64) -> Heightfield {
+        field(96, 100, |row, col| {
+            let bump = 30.0 * libm::sin(row as f64 / scale) * libm::cos(col as f64 / (0.7 * scale));
+            bump + 2.0 * orograph_core::gaussian(1, 3, row as i64, col as i64)
+        })
+    }
+
+    fn numbers<'a>(table: &'a Table, name: &str) -> &'a [f64] {
+        match &table.column(name).unwrap().cells {
+            Cells::Numbers(cells) => cells,
+            Cells::Texts(_) => panic!(),
+        }
+    }
+
+    #[test]
+    fn figures_are_those_of_the_nodes_that_measure_them_alone() {
+        let (terrain, exemplar) = (hills(5.0), hills(9.0));
+        let job = Job::detached();
+        let inputs = RealismIn { terrain: &terrain, exemplar: &exemplar, placement: None };
+        let out = Realism::default().run(inputs, &job).unwrap();
+        let (terrain, reference) = (&terrain, Some(&exemplar));
+        let alone = [
+            SlopeDistribution::default()
+                .run(SlopeDistributionIn { terrain, reference }, &job)
+                .unwrap()
+                .metrics,
+            Curvature::default().run(CurvatureIn { terrain, reference }, &job).unwrap().metrics,
+            Hypsometry::default().run(HypsometryIn { terrain, reference }, &job).unwrap().metrics,
+            Spectrum::default().run(SpectrumIn { terrain, reference }, &job).unwrap().metrics,
+            Variogram::default().run(VariogramIn { terrain, reference }, &job).unwrap().metrics,
+            Geomorphons::default().run(GeomorphonsIn { terrain, reference }, &job).unwrap().metrics,
+            Drainage::default().run(DrainageIn { terrain, reference, valleys: None }, &job).unwrap().metrics,
+        ];
+        let Cells::Texts(names) = &out.report.column("metric").unwrap().cells else { panic!() };
+        assert_eq!(names.len(), 14);
+        for (name, &value) in names.iter().zip(numbers(&out.report, "value")) {
+            let found = alone.iter().find_map(|table| table.metric(name)).unwrap();
+            assert!(found == value || found.is_nan() && value.is_nan(), "{name}: {found} and {value}");
+        }
+    }
+
+    #[test]
+    fn an_exemplar_beside_itself_meets_every_bar() {
+        let exemplar = hills(9.0);
+        let inputs = RealismIn { terrain: &exemplar, exemplar: &exemplar, placement: None };
+        let report = Realism::default().run(inputs, &Job::detached()).unwrap().report;
+        let Cells::Texts(met) = &report.column("met").unwrap().cells else { panic!() };
+        assert!(met.iter().all(|met| met != "no"), "{met:?}");
+        assert!(numbers(&report, "value")[..12].iter().all(|&value| value == 0.0 || value.is_nan()));
+        assert!(numbers(&report, "halves")[0] > 0.0);
+    }
+}
