@@ -32,7 +32,7 @@ pub(crate) fn even_stride(lines: &[u32], cols: usize) -> Option<usize> {
     let intervals = lines.len().checked_sub(1).filter(|&intervals| intervals > 0)?;
     // Halving keeps intervals alike exactly as long as their number divides the whole.
     let stride = (cols - 1) / intervals;
-    (stride * intervals == cols - 1 && stride % 2 == 0 && stride > 0).then_some(stride)
+    (stride * intervals == cols - 1 && stride.is_multiple_of(2) && stride > 0).then_some(stride)
 }
 
 impl EvenLevel<'_> {

@@ -130,7 +130,7 @@ impl Block {
         }
         let step = grid.rows.max(grid.cols).div_ceil(most).max(1);
         let picked = |n: usize| -> Vec<usize> {
-            (0..n).step_by(step).chain((n > 1 && (n - 1) % step != 0).then_some(n - 1)).collect()
+            (0..n).step_by(step).chain((n > 1 && !(n - 1).is_multiple_of(step)).then_some(n - 1)).collect()
         };
         let (rows, cols) = (picked(grid.rows), picked(grid.cols));
         job.admit((rows.len() * cols.len() * size_of::<Option<(DVec3, Colour)>>()) as u64, || {

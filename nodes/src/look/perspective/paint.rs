@@ -122,8 +122,9 @@ fn fill([a, b, c]: &[Corner; 3], pixels: &mut [(f64, Colour)], width: usize, top
     let within = |low: f64, high: f64, from: usize, count: usize| {
         let first = (low - 0.5).ceil().max(from as f64) as usize;
         let last = (high - 0.5).floor().min((from + count) as f64 - 1.0);
-        // An empty range where the triangle passes between the middles of pixels.
-        if last < 0.0 { 1..=0 } else { first..=last as usize }
+        // Empty where the triangle passes between the middles of pixels.
+        let end = if last < 0.0 { 0 } else { last as usize + 1 };
+        first.min(end)..end
     };
     let columns = within(a.x.min(b.x).min(c.x), a.x.max(b.x).max(c.x), 0, width);
     for y in within(a.y.min(b.y).min(c.y), a.y.max(b.y).max(c.y), top, rows) {
