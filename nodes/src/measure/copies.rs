@@ -109,7 +109,7 @@ impl Uses {
         let mut kept = vec![0u64; patches.len()];
         let mut sources = Vec::with_capacity(labels.len());
         for (i, (&label, source)) in labels.iter().zip(&placement.sources).enumerate() {
-            if i % (1 << 16) == 0 {
+            if i.is_multiple_of(1 << 16) {
                 job.check()?;
             }
             if let Some(patch) = (label as usize).checked_sub(1) {

@@ -213,7 +213,7 @@ impl Lines {
         let breadth = 64;
         between_columns.par_chunks_mut(breadth).enumerate().try_for_each(|(block, sums)| {
             for row in 0..rows {
-                if row % 256 == 0 {
+                if row.is_multiple_of(256) {
                     job.check()?;
                 }
                 let line = &terrain.row(row)[block * breadth..];

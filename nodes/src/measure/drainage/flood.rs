@@ -60,14 +60,14 @@ pub fn flood(terrain: &Heightfield, job: &Job) -> Result<Flood> {
     let mut heap = BinaryHeap::new();
 
     let known = |cell: usize| terrain.cells()[cell].is_finite();
-    for cell in 0..grid.len() {
-        if cell % (1 << 16) == 0 {
+    for (cell, from) in came_from.iter_mut().enumerate() {
+        if cell.is_multiple_of(1 << 16) {
             job.check()?;
         }
         if !known(cell) {
-            came_from[cell] = VOID;
+            *from = VOID;
         } else if (0..8).any(|direction| beside(size, cell, direction).is_none_or(|other| !known(other))) {
-            came_from[cell] = OUT;
+            *from = OUT;
             heap.push(Reverse(rank(terrain.cells()[cell], cell)));
         }
     }
@@ -84,7 +84,7 @@ pub fn flood(terrain: &Heightfield, job: &Job) -> Result<Flood> {
             },
         };
         order.push(cell as u32);
-        if order.len() % (1 << 14) == 0 {
+        if order.len().is_multiple_of(1 << 14) {
             job.check()?;
             done.advance(1 << 14);
         }

@@ -42,9 +42,9 @@ impl Flow {
                 return VOID;
             }
             let (mut steepest, mut to, mut first) = (0.0, flood.came_from[cell], usize::MAX);
-            for direction in 0..8 {
+            for (direction, apart) in apart.iter().enumerate() {
                 let Some(other) = beside(size, cell, direction) else { continue };
-                let fall = (f64::from(heights[cell]) - f64::from(heights[other])) / apart[direction];
+                let fall = (f64::from(heights[cell]) - f64::from(heights[other])) / apart;
                 // Beside a void nothing is greater or equal.
                 if fall > steepest || (fall == steepest && fall > 0.0 && other < first) {
                     (steepest, to, first) = (fall, direction as u8, other);
@@ -64,7 +64,7 @@ impl Flow {
         let mut run = vec![0f32; grid.len()];
         // Every cell drains to one that the flood reached before it, so backwards all of its water is there.
         for (done, &cell) in flood.order.iter().rev().enumerate() {
-            if done % (1 << 16) == 0 {
+            if done.is_multiple_of(1 << 16) {
                 job.check()?;
             }
             let cell = cell as usize;

@@ -1,6 +1,6 @@
 //! Drainage: closed depressions, and how streams gather.
 //!
-//! Depressions by [priority-flood](flood), flow to the steepest neighbour over the filled ground ([`flow`]). Natural
+//! Depressions by [priority-flood](mod@flood), flow to the steepest neighbour over the filled ground ([`flow`]). Natural
 //! basins obey laws that noise does not: the share of cells that at least a cells drain through falls about as
 //! a^-0.43 (Rodríguez-Iturbe, I. et al. (1992), "Power law distributions of discharge mass and energy in river
 //! basins", Water Resources Research 28 (4)), and streams lengthen as their area to the power of 0.5 to 0.6

@@ -34,7 +34,7 @@ impl Pits {
         let mut pits = Self::default();
         let mut open = Vec::new();
         for start in 0..n {
-            if start % (1 << 16) == 0 {
+            if start.is_multiple_of(1 << 16) {
                 job.check()?;
             }
             let raised = |cell: usize| depth(cell) > 0.0;
@@ -47,7 +47,7 @@ impl Pits {
             open.push(start);
             while let Some(cell) = open.pop() {
                 cells += 1;
-                if cells % (1 << 16) == 0 {
+                if cells.is_multiple_of(1 << 16) {
                     job.check()?;
                 }
                 sum += depth(cell);

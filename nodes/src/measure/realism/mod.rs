@@ -54,7 +54,7 @@ pub struct RealismIn<'a> {
 /// Outputs of [`Realism`].
 #[derive(Outputs)]
 pub struct RealismOut {
-    /// One row for each metric: figures of both, distance, distance between halves, ratio, bar, whether met.
+    /// One row for each metric: a figure of both, their distance, that between halves, ratio, bar, whether met.
     pub report: Table,
     /// Both terrains shaded, their distributions of slopes, heights, wavelengths and landforms, and the figures.
     pub picture: Texture,
@@ -150,6 +150,13 @@ mod tests {
         ];
         let Cells::Texts(names) = &out.report.column("metric").unwrap().cells else { panic!() };
         assert_eq!(names.len(), 14);
+        let Cells::Texts(figures) = &out.report.column("figure").unwrap().cells else { panic!() };
+        for (figure, &value) in figures.iter().zip(numbers(&out.report, "terrain")) {
+            let name = figure.split(',').next().unwrap();
+            let found = alone.iter().find_map(|table| table.metric(name)).unwrap_or(f64::NAN);
+            assert!(found == value || found.is_nan() && value.is_nan(), "{name}: {found} and {value}");
+            assert_eq!(name.is_empty(), !alone.iter().any(|table| table.column(name).is_some()));
+        }
         for (name, &value) in names.iter().zip(numbers(&out.report, "value")) {
             let found = alone.iter().find_map(|table| table.metric(name)).unwrap();
             assert!(found == value || found.is_nan() && value.is_nan(), "{name}: {found} and {value}");

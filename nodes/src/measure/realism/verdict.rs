@@ -12,6 +12,8 @@ pub struct Verdict {
     pub name: &'static str,
     /// Unit of the value.
     pub unit: Unit,
+    /// What the figures of the two terrains are, and their unit.
+    pub of_one: &'static str,
     /// The terrain's own figure, NaN where there is none.
     pub terrain: f64,
     /// The exemplar's.
@@ -22,7 +24,7 @@ pub struct Verdict {
     pub halves: f64,
     /// The number that is held against the bar.
     pub judged: f64,
-    /// The most that is good enough.
+    /// The most that is good enough; NaN where nothing is asked.
     pub bar: f64,
 }
 
@@ -30,7 +32,7 @@ impl Verdict {
     /// Whether it is good enough; `None` where there is nothing to judge.
     #[must_use]
     pub fn met(&self) -> Option<bool> {
-        if self.judged.is_nan() { None } else { Some(self.judged.abs() <= self.bar) }
+        if self.judged.is_nan() || self.bar.is_nan() { None } else { Some(self.judged.abs() <= self.bar) }
     }
 }
 
@@ -87,29 +89,36 @@ pub fn judge(
             Verdict {
                 name: distance.name,
                 unit: distance.unit,
+                of_one: distance.of_one,
                 terrain: (distance.figure)(own),
                 exemplar: (distance.figure)(exemplar),
                 value,
                 halves,
                 judged: ratio(value, halves),
-                bar: bars.ratio,
+                bar: if distance.judged { bars.ratio } else { f64::NAN },
             }
         })
         .collect();
     let depressions = [
-        ("pit_density_ratio", own.drainage.pits_per_km2, exemplar.drainage.pits_per_km2),
-        ("pit_depth_ratio", own.drainage.pit_depth_mean, exemplar.drainage.pit_depth_mean),
+        ("pit_density_ratio", "pits_per_km2", own.drainage.pits_per_km2, exemplar.drainage.pits_per_km2),
+        (
+            "pit_depth_ratio",
+            "pit_depth_mean, m",
+            own.drainage.pit_depth_mean,
+            exemplar.drainage.pit_depth_mean,
+        ),
     ];
-    lines.extend(depressions.map(|(name, terrain, exemplar)| {
+    lines.extend(depressions.map(|(name, of_one, terrain, exemplar)| {
         let value = ratio(terrain, exemplar);
-        let halves = f64::NAN;
-        Verdict { name, unit: Unit::One, terrain, exemplar, value, halves, judged: value, bar: bars.pits }
+        let (unit, halves, bar) = (Unit::One, f64::NAN, bars.pits);
+        Verdict { name, unit, of_one, terrain, exemplar, value, halves, judged: value, bar }
     }));
     if let Some(placement) = placement {
         let joins = Joins::of(terrain, placement, job)?;
         lines.extend([("seam_step", joins.step), ("seam_bend", joins.bend)].map(|(name, value)| Verdict {
             name,
             unit: Unit::One,
+            of_one: "",
             terrain: f64::NAN,
             exemplar: f64::NAN,
             value,
@@ -144,6 +153,7 @@ pub fn table(lines: &[Verdict]) -> Result<Table> {
     Table::new(vec![
         texts("metric", &|line| line.name.into()),
         texts("unit", &|line| line.unit.symbol().into()),
+        texts("figure", &|line| line.of_one.into()),
         numbers("terrain", |line| line.terrain),
         numbers("exemplar", |line| line.exemplar),
         numbers("value", |line| line.value),

@@ -163,7 +163,7 @@ impl Rings {
                 [u as f64 * side / (cols as f64 * window.cell.x), v * side / (rows as f64 * window.cell.y)];
             let cycles = (along[0] * along[0] + along[1] * along[1]).sqrt();
             let ring = libm::log(cycles / shortest) / breadth;
-            (ring >= 0.0 && ring < RINGS as f64).then(|| (ring as usize, cycles, along))
+            (ring >= 0.0 && ring < RINGS as f64).then_some((ring as usize, cycles, along))
         };
         let half = (cols / 2 + 1).min(cols);
         let columns = per_row(half, job, |u| {
