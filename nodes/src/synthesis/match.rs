@@ -76,7 +76,7 @@ impl Node for Match {
         (grid.cell, grid.georef) = (exemplars[0].terrain.grid().cell, None);
         let mut patch = Heightfield::filled(grid, f32::NAN, job)?;
         let network = Network::new(inputs.features, exemplars[0].scale);
-        let pool = extract(&network, 0, &exemplars[0].voids, &rules, job)?;
+        let pool = extract(&network, 0, &exemplars[0].terrain, &exemplars[0].voids, &rules, job)?;
         let plan = Network::new(inputs.sketch, [1.0; 2]).plan(rules.patch as f64);
         let mut ranked = Vec::new();
         if let Some(site) = plan.get(self.place as usize - 1) {

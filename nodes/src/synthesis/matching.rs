@@ -14,7 +14,7 @@ use super::{
     cut::Seam,
     exemplar::Exemplar,
     network::{Role, Site},
-    patches::{Candidate, Pool},
+    patches::{ACROSS, Candidate, Pool, fall},
     resample::cubic,
     settings::Rules,
     tps::{Basis, Point, Spline},
@@ -25,7 +25,9 @@ const BEND: f64 = 0.01;
 /// Weight of stretching beside bending.
 const STRETCH: f64 = 0.05;
 /// Cost of a line none of which stands out.
-const CREST: f64 = 12.0;
+const CREST: f64 = 14.0;
+/// Share of the exemplar's usual prominence that a line should have.
+const CRISP: f64 = 0.8;
 
 /// One arm-by-arm pairing of a candidate with a place, and its warp.
 #[derive(Clone, Debug)]
@@ -188,16 +190,15 @@ struct Probes {
     old: Vec<f32>,
     n_joins: usize,
     n_stations: usize,
+    /// How far the ground should fall on both sides of the line, in metres.
+    prominence: f64,
 }
 
 /// Samples of a profile across a join, and at a station of a line.
 const JOIN: usize = 7;
-const STATION: usize = 7;
-/// Distances across a line, in 80ths of a patch, of the samples at a station.
-const ACROSS: [f64; STATION] = [-10.0, -5.0, -2.0, 0.0, 2.0, 5.0, 10.0];
-
+const STATION: usize = ACROSS.len();
 impl Probes {
-    fn new(site: &Site, basis: &Basis, canvas: &Canvas, rules: &Rules) -> Self {
+    fn new(site: &Site, basis: &Basis, pool: &Pool, canvas: &Canvas, rules: &Rules) -> Self {
         let patch = rules.patch as f64;
         let mut points = Vec::new();
         let mut n_joins = 0;
@@ -222,14 +223,14 @@ impl Probes {
                 let after = arm.crossing((share + 0.1) * reach);
                 let along = unit_vector(before, after);
                 let normal = [along[1], -along[0]];
-                points.extend(ACROSS.iter().map(|by| offset(at, normal, by * patch / 80.0)));
+                points.extend(ACROSS.iter().map(|by| offset(at, normal, by * patch / 16.0)));
                 n_stations += 1;
             }
         }
         let mut terms = Vec::with_capacity(points.len() * basis.n_terms());
         points.iter().for_each(|&at| basis.terms(at, &mut terms));
         let old = points[..n_join_points].iter().map(|&at| height_at(canvas, at)).collect();
-        Self { terms, old, n_joins, n_stations }
+        Self { terms, old, n_joins, n_stations, prominence: CRISP * pool.prominence }
     }
 
     /// Heights of a candidate at all points.
@@ -274,19 +275,15 @@ impl Probes {
         (total, joins)
     }
 
-    /// Share of the stations at which the line does not stand out from both sides.
+    /// How much the line fails to stand out from both sides by what is wanted: 0 where it does, 1 where not at all.
     fn flatness(&self, heights: &[f32], kind: FeatureKind) -> f64 {
-        if self.n_stations == 0 {
+        if self.n_stations == 0 || self.prominence <= 0.0 {
             return 0.0;
         }
         let sign = if kind == FeatureKind::Ridge { 1.0 } else { -1.0 };
         let stations = heights[self.n_joins * JOIN..].chunks(STATION);
-        let flat = stations.map(|across| {
-            let at = |i: usize| sign * across[i];
-            let crest = at(2).max(at(3)).max(at(4));
-            let sides = [0, 1, 5, 6].into_iter().filter(|&side| crest > at(side)).count();
-            1.0 - sides as f64 / 4.0
-        });
+        let flat =
+            stations.map(|across| 1.0 - (fall(|i| sign * across[i]) / self.prominence).clamp(0.0, 1.0));
         flat.sum::<f64>() / self.n_stations as f64
     }
 }
@@ -336,7 +333,7 @@ pub fn choose(site: &Site, pool: &Pool, scene: &Scene<'_>, job: &Job<'_>) -> Res
     };
     let all: Vec<usize> = (0..site.arms.len()).collect();
     let Some(basis) = Basis::new(&controls(site, &all, rules), rules.radius()) else { return Ok(None) };
-    let probes = Probes::new(site, &basis, scene.canvas, rules);
+    let probes = Probes::new(site, &basis, pool, scene.canvas, rules);
     let exact =
         site.role != Role::Branch || list.iter().any(|candidate| candidate.site.arms.len() == all.len());
     let mut fits: Vec<Fit<'_>> = list

@@ -343,7 +343,7 @@ fn styles(
             ));
         };
         let network = Network::new(features, exemplars[owner].scale);
-        let pool = extract(&network, owner, &exemplars[owner].voids, rules, job)?;
+        let pool = extract(&network, owner, &exemplars[owner].terrain, &exemplars[owner].voids, rules, job)?;
         report.left_out += pool.left_out;
         styles[owner].networks.push(network);
         styles[owner].pools.push(pool);

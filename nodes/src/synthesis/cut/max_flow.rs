@@ -316,12 +316,12 @@ impl Search {
         self.cells[i].tree = FREE;
         self.cells[i].parent = NONE;
         self.cells[i].stamp = 0;
-        for direction in 0..4 {
+        for (direction, inward) in inward.into_iter().enumerate() {
             let j = self.beside(i, direction);
             if self.cells[j].tree != tree {
                 continue;
             }
-            if inward[direction] {
+            if inward {
                 self.activate(j);
             }
             if usize::from(self.cells[j].parent) == direction ^ 2 {

@@ -150,7 +150,7 @@ fn lone_rectangle(cols: usize, cells: &[Cell]) -> Option<[usize; 4]> {
         match cell {
             Cell::Free => across && down,
             Cell::Fixed => !(across && down),
-            Cell::Outside => !(across && down) && !beside,
+            Cell::Outside => !(beside || across && down),
         }
     });
     fits.then_some([top, left, bottom + 1 - top, right + 1 - left])
