@@ -52,7 +52,7 @@ fn ridge() -> (Heightfield, Features) {
             4.0 * libm::sin(row as f64 / 3.0 + libm::sin(col as f64 / 5.0)) * libm::cos(col as f64 / 4.0);
         500.0 - 3.0 * (row as f64 - 100.0).abs() + rough
     });
-    let features = lines(terrain.grid(), &[[100.0, 5.0], [100.0, 255.0]], &[[0, 1]]);
+    let features = lines(terrain.grid(), &[[100.0, 40.0], [100.0, 220.0]], &[[0, 1]]);
     (terrain, features)
 }
 
@@ -76,7 +76,7 @@ fn the_drawn_ridge_stands_where_it_was_drawn() {
         let (terrain, placement, report) =
             synthesise(&inputs, &rules, Order::Tree, &Job::detached()).unwrap();
         assert_eq!((terrain.grid().size(), terrain.void_count()), ((150, 150), 0));
-        assert!(report.placed[2] > 4 && report.unmatched == 0, "{report:?}");
+        assert!(report.placed[2] > 4 && report.placed[1] == 2, "{report:?}");
         // Across the line by 12 cells, where the ground of the exemplar falls by 36 m.
         let mut stands = 0;
         for k in 2..19 {
