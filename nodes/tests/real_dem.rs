@@ -7,6 +7,7 @@
 #![expect(clippy::print_stdout, reason = "a test runner reports on standard output")]
 
 mod real_dem {
+    pub(crate) mod feature;
     pub(crate) mod io;
     pub(crate) mod mcmd;
 }
@@ -37,7 +38,10 @@ impl Check {
 }
 
 fn checks() -> Vec<Check> {
-    [real_dem::io::checks(), real_dem::mcmd::checks()].into_iter().flatten().collect()
+    [real_dem::feature::checks(), real_dem::io::checks(), real_dem::mcmd::checks()]
+        .into_iter()
+        .flatten()
+        .collect()
 }
 
 fn main() -> ExitCode {

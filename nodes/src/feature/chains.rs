@@ -205,3 +205,10 @@ pub(crate) fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
     let (down, across) = (a[0] - b[0], a[1] - b[1]);
     (down * down + across * across).sqrt()
 }
+
+/// Length of all lines in cells.
+#[must_use]
+pub fn length(features: &Features) -> f64 {
+    let steps = features.lines.iter().flat_map(|line| line.vertices.windows(2));
+    steps.map(|pair| distance(pair[0], pair[1])).sum()
+}

@@ -6,7 +6,7 @@ use super::{
     chains::shape,
     forest::Frame,
     lattice::Blocks,
-    medial,
+    loops, medial,
     ppa::{Found, forest},
     settings::{Kind, Shaping, Steps, crest},
     sketch::{NO_STROKE, Prepared, Sketch, Strokes, prepare},
@@ -114,5 +114,6 @@ pub fn trace(
     let shaping = Shaping { smooth_passes, ..prepared.shaping(patch) };
     let mut features = shape(&raw.forest, &frame, &shaping, job)?;
     medial::centre(&mut features, &prepared.edges, blocks, &shaping, job)?;
+    loops::close(&mut features, &prepared.edges, prepared.width, &shaping, job)?;
     Ok(Found { features, drop: raw.drop, share: raw.share })
 }

@@ -102,10 +102,11 @@ fn climb(start: [f64; 2], edges: &Heightfield, steps: usize) -> [f64; 2] {
         // Beyond the border there is no height, and NaN climbs nowhere.
         let Some(up) = unit([0.0; 2], slope).filter(|_| distance([0.0; 2], slope) > STEEP) else { break };
         let next = [at[0] + STEP * up[0], at[1] + STEP * up[1]];
-        if !(height(next) > height(at)) {
+        if height(next) > height(at) {
+            at = next;
+        } else {
             break;
         }
-        at = next;
     }
     at
 }

@@ -2,13 +2,18 @@
 //!
 //! The pure functions that other families call: [`ppa::find`] and [`sketch::prepare`] with [`from_sketch::trace`].
 
+pub mod adherence;
 pub mod branch_reduction;
 pub mod chains;
 pub mod classify;
+mod curves;
 pub mod forest;
+pub mod from_curves;
 pub mod from_sketch;
 pub mod lattice;
+mod loops;
 pub mod medial;
+mod nearest;
 pub mod network;
 pub mod plan;
 pub mod polygon_breaking;
@@ -27,8 +32,10 @@ use orograph_core::NodeType;
 /// The nodes of this family.
 pub(crate) fn nodes() -> Vec<NodeType> {
     vec![
+        NodeType::of::<adherence::Adherence>(),
         NodeType::of::<branch_reduction::BranchReduction>(),
         NodeType::of::<classify::Classify>(),
+        NodeType::of::<from_curves::FromCurves>(),
         NodeType::of::<from_sketch::FromSketch>(),
         NodeType::of::<plan::Plan>(),
         NodeType::of::<polygon_breaking::PolygonBreaking>(),

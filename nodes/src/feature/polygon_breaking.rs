@@ -17,8 +17,9 @@ use super::{
     target_connection::Segment,
 };
 
-/// Deletes the least important segment of every closed polygon until none is left: the third of the four steps of
-/// `feature.ppa`.
+/// Deletes the least important segment of every closed polygon until none is left.
+///
+/// The third of the four steps of `feature.ppa`.
 #[derive(Params, Clone, Debug)]
 pub struct PolygonBreaking {
     /// What makes a segment important.

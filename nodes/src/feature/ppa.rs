@@ -5,11 +5,11 @@
 //! drop may be found from the share of ground that lines are to cover, since one fixed share of the height range fits
 //! the Alps and leaves nothing of a plain; working cells are made as square on the ground as whole blocks allow.
 
-use orograph_core::prelude::*;
+use orograph_core::{PointKind, Unit, prelude::*};
 
 use super::{
     branch_reduction::reduce,
-    chains::shape,
+    chains::{length, shape},
     forest::{Forest, Frame},
     lattice::Blocks,
     polygon_breaking::spanning_forest,
@@ -204,11 +204,7 @@ impl Found {
     /// # Errors
     /// None in practice; a table refuses two columns of one name.
     pub fn report(&self) -> Result<Table> {
-        use orograph_core::{PointKind, Unit};
         let count = |kind| self.features.points.iter().filter(|point| point.kind == kind).count() as f64;
-        let length = |line: &orograph_core::Polyline| -> f64 {
-            line.vertices.windows(2).map(|pair| super::chains::distance(pair[0], pair[1])).sum()
-        };
         Table::metrics([
             ("drop", Unit::One, self.drop),
             ("share", Unit::Percent, 100.0 * self.share),
@@ -216,7 +212,7 @@ impl Found {
             ("ends", Unit::One, count(PointKind::End)),
             ("lines", Unit::One, self.features.lines.len() as f64),
             ("rings", Unit::One, self.features.rings.len() as f64),
-            ("length", Unit::Cell, self.features.lines.iter().map(length).sum()),
+            ("length", Unit::Cell, length(&self.features)),
         ])
     }
 }

@@ -8,7 +8,7 @@
 use orograph_core::prelude::*;
 
 use super::{
-    lattice::{Blocks, Lattice, block_means},
+    lattice::{Blocks, Lattice, STEPS, block_means},
     settings::{Kind, Sided, crest},
 };
 use crate::filter::gaussian_blur::blur;
@@ -139,24 +139,43 @@ impl Relief {
         let Self { lattice, crests, .. } = self;
         let grid = Grid::new(lattice.rows, lattice.cols, CellSize::square(1.0))?;
         let falls = Heightfield::build(grid, job, |row, out| {
+            let lows = STEPS.map(|step| self.lowest(row, step, half_profile));
             for (col, out) in out.iter_mut().enumerate() {
-                let cell = row * lattice.cols + col;
-                let half = |direction: usize| {
-                    let samples = (1..=half_profile).map_while(|n| lattice.far(cell, direction, n));
-                    // Voids compare as not greater, so they never count.
-                    samples
-                        .map(|at| crests[cell] - crests[at])
-                        .fold(f32::NEG_INFINITY, |most, fall| if fall > most { fall } else { most })
-                };
+                let crest = crests[row * lattice.cols + col];
                 let axis = |direction: usize| {
+                    let half = |direction: usize| crest - lows[direction][col];
                     let (a, b) = (half(direction), half(direction + 4));
                     if sided == Sided::TwoSided { a.min(b) } else { a.max(b) }
                 };
+                // A void's falls are NaN, which the maximum passes over.
                 *out = (0..4).map(axis).fold(f32::NEG_INFINITY, f32::max);
             }
             Ok(())
         })?;
         Ok(falls.into_cells())
+    }
+
+    /// For each cell of a row the lowest of the `n` samples in a direction; infinite where there is none. Whole rows
+    /// at a time, which the processor does many cells at once.
+    fn lowest(&self, row: usize, (down, across): (i32, i32), n: usize) -> Vec<f32> {
+        let Lattice { rows, cols } = self.lattice;
+        let mut lows = vec![f32::INFINITY; cols];
+        for n in 1..=n {
+            let shift = n.min(cols);
+            let Some(row) = row.checked_add_signed(down as isize * n as isize).filter(|row| *row < rows)
+            else {
+                break;
+            };
+            let samples = &self.crests[row * cols..(row + 1) * cols];
+            let (lows, samples) = match across {
+                0 => (&mut lows[..], samples),
+                1 => (&mut lows[..cols - shift], &samples[shift..]),
+                _ => (&mut lows[shift..], &samples[..cols - shift]),
+            };
+            // The minimum passes over voids.
+            lows.iter_mut().zip(samples).for_each(|(low, sample)| *low = low.min(*sample));
+        }
+        lows
     }
 
     /// Which working cells fall by more than `drop` of the range and lie no lower than `floor` of it.

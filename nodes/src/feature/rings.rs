@@ -43,7 +43,7 @@ pub(crate) fn close(features: &Features, blocks: Blocks, shaping: &Shaping) -> V
 }
 
 /// For each end the direction in which its line leaves it; nothing for other points.
-fn headings(features: &Features, length: f64) -> Vec<Option<[f64; 2]>> {
+pub(crate) fn headings(features: &Features, length: f64) -> Vec<Option<[f64; 2]>> {
     let mut headings = vec![None; features.points.len()];
     let is_end = |id: u32| features.points[id as usize].kind == PointKind::End;
     for line in &features.lines {

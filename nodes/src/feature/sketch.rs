@@ -4,7 +4,7 @@
 //! matter. A stroke is a plateau, though, and shows no crest in a profile; so the distance to its edge is added, and
 //! the width that it reveals sets the parameters of the search.
 
-use orograph_core::prelude::*;
+use orograph_core::{Share, Unit, prelude::*};
 
 use super::{
     lattice::Blocks,
@@ -77,7 +77,6 @@ impl Node for Sketch {
     }
 
     fn run(&self, inputs: SketchIn<'_>, job: &Job) -> Result<SketchOut> {
-        use orograph_core::Unit;
         let prepared = prepare(inputs.sketch, self, job)?;
         if prepared.is_none() {
             job.warn(NO_STROKE);
@@ -259,8 +258,7 @@ fn raise(greys: &Heightfield, settings: &Sketch, job: &Job) -> Result<Option<Rai
         }
     };
     let least = settings.threshold * (1.0 - background);
-    let strokes = greys
-        .map::<orograph_core::Share>(job, |grey| f32::from(u8::from(bright(grey) - background > least)))?;
+    let strokes = greys.map::<Share>(job, |grey| f32::from(u8::from(bright(grey) - background > least)))?;
     // Pixels beyond the border are no edge, so that strokes may run off the sketch.
     let edges = distances(&strokes, |share| share < 0.5, job)?;
     // A sketch that is stroke all over has no edge anywhere, and no middle line either.

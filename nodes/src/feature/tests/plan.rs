@@ -7,7 +7,7 @@ use crate::feature::{
     chains::distance,
     from_sketch::{FromSketch, FromSketchIn},
     network::Network,
-    plan::{Item, ItemKind, Order, Place, gap, plan, radius},
+    plan::{Item, ItemKind, Order, Place, plan, radius},
 };
 
 fn traced(strokes: &[Stroke]) -> Features {
@@ -50,6 +50,12 @@ fn features(points: &[[f64; 2]], lines: &[(u32, u32)]) -> Features {
         profile_len: 0,
         profile_step: 0.0,
     }
+}
+
+/// Greatest distance from any vertex to the nearest item.
+fn gap(features: &Features, items: &[Item]) -> f64 {
+    let near = |at: &[f64; 2]| items.iter().map(|item| distance(item.centre, *at)).fold(f64::MAX, f64::min);
+    features.lines.iter().flat_map(|line| &line.vertices).map(near).fold(0.0, f64::max)
 }
 
 #[test]

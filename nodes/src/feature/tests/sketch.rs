@@ -177,3 +177,33 @@ fn the_width_of_strokes_does_not_matter() {
         }
     }
 }
+
+#[test]
+fn a_ring_on_a_stem_stays_a_ring_wherever_the_stem_is() {
+    for width in [9.0, 25.0, 40.0] {
+        for turn in 0..8 {
+            let angle = 0.1 + std::f64::consts::TAU * f64::from(turn) / 8.0;
+            let (ux, uy) = (libm::cos(angle), libm::sin(angle));
+            let sketch = crate::test_fields::field(512, 512, |row, col| {
+                let (x, y) = (col as f64 - 256.0, row as f64 - 256.0);
+                let ring = (libm::hypot(x, y) - 130.0).abs();
+                let t = (x * ux + y * uy).clamp(130.0, 230.0);
+                let stem = libm::hypot(x - t * ux, y - t * uy);
+                f64::from(u8::from(ring.min(stem) <= width / 2.0))
+            });
+            let features = traced(&sketch, &Sketch::default());
+            assert_eq!(topology(&features), (vec![3], 3, 1), "{width} wide, turned {turn}");
+            assert_eq!(features.rings.len(), 1, "{width} wide, turned {turn}");
+        }
+    }
+}
+
+#[test]
+fn strokes_that_do_not_touch_are_not_joined() {
+    // The foot of one stroke ends four pixels above the other.
+    let strokes = [[[40.0, 200.0], [220.0, 200.0]], [[130.0, 40.0], [130.0, 183.0]]];
+    for width in [9.0, 13.0] {
+        let features = traced(&drawn(&strokes, 257, width), &Sketch::default());
+        assert_eq!(topology(&features), (vec![], 4, 2), "{width}");
+    }
+}

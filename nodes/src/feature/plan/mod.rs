@@ -4,12 +4,14 @@
 //! half patch along the lines between. Departures: paths are spread evenly, so that steps are never longer than half
 //! a patch; a ring that polygon breaking opened gets a patch on its gap, and its ends none of their own.
 
-use orograph_core::{Column, FeatureKind, Unit, prelude::*};
+mod roots;
 
-use super::{
-    chains::distance,
-    network::{Arm, Network},
-};
+use std::collections::VecDeque;
+
+use orograph_core::{Column, Unit, prelude::*};
+
+use self::roots::{components, sorted};
+use super::network::{Arm, Incidence, Network};
 
 /// In which order patches are placed.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -214,83 +216,6 @@ fn regular(grid: &Grid, patch: f64) -> Vec<Item> {
         .collect()
 }
 
-/// Groups of joined points, each ascending, by their first.
-fn components(network: &Network<'_>) -> Vec<Vec<usize>> {
-    let n = network.features().points.len();
-    let mut seen = vec![false; n];
-    let mut components = Vec::new();
-    for start in 0..n {
-        if seen[start] || network.incidences(start).is_empty() {
-            continue;
-        }
-        seen[start] = true;
-        let mut group = vec![start];
-        let mut next = 0;
-        while next < group.len() {
-            for &incidence in network.incidences(group[next]) {
-                let far = network.far(incidence);
-                if !seen[far] {
-                    seen[far] = true;
-                    group.push(far);
-                }
-            }
-            next += 1;
-        }
-        group.sort_unstable();
-        components.push(group);
-    }
-    components
-}
-
-/// Components, those with the most branch points first, then the longest; each with its root in front.
-fn sorted(network: &Network<'_>, components: Vec<Vec<usize>>, patch: f64) -> Vec<Vec<usize>> {
-    let reach = |&point: &usize| -> f64 {
-        network.incidences(point).iter().map(|incidence| network.length(incidence.line)).sum()
-    };
-    let is_branch = |&&point: &&usize| network.incidences(point).len() >= 3;
-    let mut ranked: Vec<(usize, f64, Vec<usize>)> = components
-        .into_iter()
-        .map(|group| {
-            let branches = group.iter().filter(is_branch).count();
-            // Each line is counted from both of its ends.
-            (branches, group.iter().map(reach).sum::<f64>() / 2.0, group)
-        })
-        .collect();
-    ranked.sort_by(|a, b| b.0.cmp(&a.0).then_with(|| b.1.total_cmp(&a.1)).then_with(|| a.2[0].cmp(&b.2[0])));
-    let by_place = |&a: &usize, &b: &usize| {
-        let (a, b) = (network.place(a), network.place(b));
-        a[0].total_cmp(&b[0]).then_with(|| a[1].total_cmp(&b[1]))
-    };
-    let rooted = |(branches, _, mut group): (usize, f64, Vec<usize>)| {
-        let root = if branches > 0 {
-            let degree = |point: &usize| network.arms(*point, radius(patch)).len();
-            group.iter().copied().filter(|point| is_branch(&point)).max_by(|a, b| {
-                degree(a)
-                    .cmp(&degree(b))
-                    .then_with(|| reach(a).total_cmp(&reach(b)))
-                    .then_with(|| by_place(b, a))
-            })
-        } else {
-            let crest = |point: usize| {
-                let height = f64::from(network.features().points[point].height);
-                if network.features().kind == FeatureKind::Ridge { height } else { -height }
-            };
-            group.iter().copied().max_by(|&a, &b| {
-                let ends = |point: usize| network.incidences(point).len() == 1;
-                ends(a)
-                    .cmp(&ends(b))
-                    .then_with(|| crest(a).total_cmp(&crest(b)))
-                    .then_with(|| by_place(&b, &a))
-            })
-        };
-        if let Some(at) = root.and_then(|root| group.iter().position(|&point| point == root)) {
-            group.swap(0, at);
-        }
-        group
-    };
-    ranked.into_iter().map(rooted).collect()
-}
-
 struct Planner<'a> {
     network: &'a Network<'a>,
     patch: f64,
@@ -313,7 +238,7 @@ impl<'a> Planner<'a> {
         let root = group[0];
         self.seen[root] = true;
         let first = self.point(root, None, number);
-        let mut queue = std::collections::VecDeque::from([(root, first)]);
+        let mut queue = VecDeque::from([(root, first)]);
         while let Some((point, before)) = queue.pop_front() {
             for incidence in self.lines_by_angle(point) {
                 if std::mem::replace(&mut self.passed[incidence.line], true) {
@@ -353,10 +278,10 @@ impl<'a> Planner<'a> {
     }
 
     /// The lines at a point by the angle at which they leave it.
-    fn lines_by_angle(&self, point: usize) -> Vec<super::network::Incidence> {
+    fn lines_by_angle(&self, point: usize) -> Vec<Incidence> {
         let centre = self.network.place(point);
         let reach = radius(self.patch);
-        let angle = |incidence: &super::network::Incidence| {
+        let angle = |incidence: &Incidence| {
             let length = self.network.length(incidence.line);
             let along = if incidence.starts { reach.min(length) } else { (length - reach).max(0.0) };
             let [row, col] = self.network.at(incidence.line, along);
@@ -384,12 +309,7 @@ impl<'a> Planner<'a> {
     }
 
     /// The items along a line, from the end at hand to the other.
-    fn path(
-        &mut self,
-        incidence: super::network::Incidence,
-        before: Option<usize>,
-        component: usize,
-    ) -> Option<usize> {
+    fn path(&mut self, incidence: Incidence, before: Option<usize>, component: usize) -> Option<usize> {
         let line = incidence.line;
         let length = self.network.length(line);
         let n = ((length / (self.patch / 2.0)).ceil() as usize).saturating_sub(1);
@@ -406,13 +326,4 @@ impl<'a> Planner<'a> {
         }
         last
     }
-}
-
-/// Greatest distance from any vertex of the features to the nearest item.
-#[must_use]
-pub fn gap(features: &Features, items: &[Item]) -> f64 {
-    let vertices = features.lines.iter().flat_map(|line| &line.vertices);
-    let near =
-        |at: &[f64; 2]| items.iter().map(|item| distance(item.centre, *at)).fold(f64::INFINITY, f64::min);
-    vertices.map(near).fold(0.0, f64::max)
 }
