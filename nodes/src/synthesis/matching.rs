@@ -25,7 +25,7 @@ const BEND: f64 = 0.01;
 /// Weight of stretching beside bending.
 const STRETCH: f64 = 0.05;
 /// Cost of a line none of which stands out.
-const CREST: f64 = 14.0;
+const CREST: f64 = 20.0;
 /// Share of the exemplar's usual prominence that a line should have.
 const CRISP: f64 = 0.8;
 
