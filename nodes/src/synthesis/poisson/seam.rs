@@ -68,6 +68,7 @@ pub fn correction(
     grow: usize,
     job: &Job<'_>,
 ) -> Result<Vec<f64>> {
+    job.check()?;
     let Composite { cols, old, new, is_new } = *composite;
     let n = old.len();
     if new.len() != n || is_new.len() != n || cols == 0 && n > 0 || cols > 0 && !n.is_multiple_of(cols) {
