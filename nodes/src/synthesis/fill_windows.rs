@@ -21,6 +21,8 @@ use super::{
 
 /// Draws of the very first window, when nothing is known.
 const STREAM: u64 = 0x7365_6564;
+/// Uses of a window that do not strike the eye.
+const SHOWN: usize = 2;
 /// Places drawn for it.
 const N_SEEDS: i64 = 64;
 
@@ -206,10 +208,14 @@ fn grow(
         n: rules.n_fill.max(1),
     };
     let reach = rules.patch as f64 / 2.0;
-    let spent = |center: [f64; 2]| uses.near(which, center, reach) >= rules.max_uses;
-    let mut found = sources.searchers[which].search(&query, spent, job)?;
-    if found.is_empty() {
-        found = sources.searchers[which].search(&query, |_| false, job)?;
+    // What was shown twice waits until nothing else fits: the eye finds a third time at once.
+    let mut found = Vec::new();
+    let shown = if rules.strict() { usize::MAX } else { SHOWN.min(rules.max_uses) };
+    for most in [shown, rules.max_uses, usize::MAX] {
+        if found.is_empty() {
+            let spent = |center: [f64; 2]| uses.near(which, center, reach) >= most;
+            found = sources.searchers[which].search(&query, spent, job)?;
+        }
     }
     found.truncate(rules.n_cut);
     let judged: Vec<(f64, Sheet, Vec<f32>, Seam)> = found
@@ -225,7 +231,7 @@ fn grow(
             } else {
                 let step = exemplar.step.max(f64::MIN_POSITIVE);
                 let cost = found.mismatch.sqrt() / step + seam.mean_cost() / step;
-                cost * (1.0 + 2.0 * rules.repetition * uses.near(which, center, reach) as f64)
+                cost * (1.0 + 2.0 * rules.repetition * uses.near(which, center, 2.0 * reach) as f64)
             };
             Ok((cost, sheet, old, seam))
         })

@@ -10,6 +10,7 @@ use super::{
     network::Network,
     patches::extract,
     settings::{Preset, Rules},
+    synthesise::output_grid,
 };
 
 /// Ranks what an exemplar has to offer for one place of a sketch, beside the ground that is there.
@@ -72,11 +73,10 @@ impl Node for Match {
             inputs.sketch.grid.match_size("sketch", ground.grid(), "ground")?;
             canvas.lay(ground);
         }
-        let mut grid = inputs.sketch.grid.clone();
-        (grid.cell, grid.georef) = (exemplars[0].terrain.grid().cell, None);
+        let grid = output_grid(&inputs.sketch.grid, &exemplars[0], job);
         let mut patch = Heightfield::filled(grid, f32::NAN, job)?;
         let network = Network::new(inputs.features, exemplars[0].scale);
-        let pool = extract(&network, 0, &exemplars[0].voids, &rules, job)?;
+        let pool = extract(&network, 0, &exemplars[0].terrain, &exemplars[0].voids, &rules, job)?;
         let plan = Network::new(inputs.sketch, [1.0; 2]).plan(rules.patch as f64);
         let mut ranked = Vec::new();
         if let Some(site) = plan.get(self.place as usize - 1) {

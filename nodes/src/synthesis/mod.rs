@@ -24,6 +24,8 @@ pub mod settings;
 pub mod ssd;
 pub mod stamp;
 pub mod synthesise;
+#[cfg(test)]
+mod tests;
 pub mod tps;
 pub mod warp;
 pub mod water;

@@ -3,12 +3,13 @@
 //! Zhou 2007 §5.2. Each branch point and end is a candidate, and every quarter patch along a line, in both directions;
 //! each also mirrored, unless that is switched off.
 
-use orograph_core::Unit;
 use orograph_core::prelude::*;
+use orograph_core::{FeatureKind, Unit};
 
 use super::{
     exemplar::Exemplar,
     network::{Arm, Network, Role, Site},
+    resample::cubic,
     settings::{Preset, Rules},
     tps::Point,
 };
@@ -52,7 +53,7 @@ impl Node for Patches {
         let exemplar = Exemplar::new(inputs.exemplar, job)?;
         let rules = Rules { mirror: self.mirror, ..Rules::of(Preset::Default, self.patch as usize) };
         let network = Network::new(inputs.features, exemplar.scale);
-        let pool = extract(&network, 0, &exemplar.voids, &rules, job)?;
+        let pool = extract(&network, 0, &exemplar.terrain, &exemplar.voids, &rules, job)?;
         if pool.left_out > 0 {
             job.warn(format!("{} places at the border or beside voids are left out", pool.left_out));
         }
@@ -106,6 +107,8 @@ pub struct Pool {
     pub ends: Vec<Candidate>,
     /// Places along lines.
     pub paths: Vec<Candidate>,
+    /// How far ground falls on the lower side of a usual stretch of line within three sixteenths of a patch, in metres.
+    pub prominence: f64,
     /// Places that were left out because their window leaves the exemplar or meets a void.
     pub left_out: usize,
 }
@@ -185,6 +188,7 @@ impl VoidSums {
 pub fn extract(
     network: &Network,
     exemplar: usize,
+    terrain: &Heightfield,
     voids: &VoidSums,
     rules: &Rules,
     job: &Job<'_>,
@@ -237,6 +241,7 @@ pub fn extract(
             list.extend(reflected);
         }
     }
+    pool.prominence = prominence(&pool.paths, terrain, network.kind, rules);
     // Every k-th, counted in pairs of directions so that none is lost one-sidedly.
     let keep = pool.paths.len().div_ceil(MAX_PATHS).max(1);
     let mut number = 0;
@@ -247,12 +252,47 @@ pub fn extract(
     Ok(pool)
 }
 
+/// Distances across a line, in sixteenths of a patch, of the heights that tell whether it stands out.
+pub(super) const ACROSS: [f64; 9] = [-3.0, -2.0, -1.0, -0.4, 0.0, 0.4, 1.0, 2.0, 3.0];
+
+/// How far the ground falls on the less steep side of a line, from heights at [`ACROSS`]; negative heights for valleys.
+pub(super) fn fall(at: impl Fn(usize) -> f32) -> f64 {
+    let crest = at(3).max(at(4)).max(at(5));
+    let side = |three: [usize; 3]| three.into_iter().map(|i| crest - at(i)).fold(f32::NEG_INFINITY, f32::max);
+    let fall = side([0, 1, 2]).min(side([6, 7, 8]));
+    if fall.is_finite() { f64::from(fall) } else { 0.0 }
+}
+
+/// Median of the falls at the centres of the candidates; 0 without any.
+fn prominence(paths: &[Candidate], terrain: &Heightfield, kind: FeatureKind, rules: &Rules) -> f64 {
+    let sign = if kind == FeatureKind::Ridge { 1.0 } else { -1.0 };
+    let unit = rules.patch as f64 / 16.0;
+    let mut falls: Vec<f64> = paths
+        .iter()
+        .map(|path| {
+            let [a, b] = [0, 1].map(|arm| path.site.arms[arm].crossing(unit));
+            let length = libm::hypot(b[0] - a[0], b[1] - a[1]).max(f64::MIN_POSITIVE);
+            let normal = [(b[1] - a[1]) / length, (a[0] - b[0]) / length];
+            let [row, col] = path.site.center;
+            let at = |i: usize| {
+                let by = ACROSS[i] * unit;
+                sign * cubic(terrain, [row + normal[0] * by, col + normal[1] * by])
+            };
+            fall(at)
+        })
+        .collect();
+    if falls.is_empty() {
+        return 0.0;
+    }
+    let middle = falls.len() / 2;
+    *falls.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::synthesis::network::{Chain, Knot};
     use crate::test_fields::field;
-    use orograph_core::FeatureKind;
 
     /// Three lines of 150 cells from (200, 200), one of them bent.
     fn star() -> Network {
@@ -274,7 +314,7 @@ mod tests {
         let terrain = field(401, 401, |row, col| (row + col) as f64);
         let voids = VoidSums::new(&terrain);
         let rules = Rules::of(Preset::Default, 60);
-        let pool = extract(&star(), 0, &voids, &rules, &Job::detached()).unwrap();
+        let pool = extract(&star(), 0, &terrain, &voids, &rules, &Job::detached()).unwrap();
         assert_eq!((pool.branches.len(), pool.ends.len(), pool.left_out), (2, 6, 0));
         // Seven places on each line of 150 cells, 30 to 120 by 15, in two directions and two images.
         assert_eq!(pool.paths.len(), 3 * 7 * 4);
@@ -296,7 +336,7 @@ mod tests {
     fn windows_that_meet_a_void_or_the_border_are_left_out() {
         let terrain = field(401, 401, |row, col| if (row, col) == (60, 205) { f64::NAN } else { 1.0 });
         let rules = Rules { mirror: false, ..Rules::of(Preset::Default, 60) };
-        let pool = extract(&star(), 0, &VoidSums::new(&terrain), &rules, &Job::detached()).unwrap();
+        let pool = extract(&star(), 0, &terrain, &VoidSums::new(&terrain), &rules, &Job::detached()).unwrap();
         assert_eq!(pool.ends.len(), 2);
         let near = |candidate: &Candidate| candidate.site.center[0] < 60.0 + 38.0;
         assert!(!pool.paths.iter().any(near) && pool.left_out > 1);

@@ -80,7 +80,7 @@ impl Rules {
             grow: 0,
             mirror: true,
             repetition: if strict { 0.0 } else { 0.25 },
-            max_uses: if strict { usize::MAX } else { 6 },
+            max_uses: if strict { usize::MAX } else { 8 },
             seed: 0,
         }
     }

@@ -23,7 +23,7 @@ use super::{
 
 /// Makes terrain from a sketch of its ridges or valleys and an exemplar whose ground it takes.
 ///
-/// The output has the sketch's rows and columns and the exemplar's cells. Several exemplars are styles: a label map says
+/// The output has the sketch's rows and columns and the exemplar's cells; a georeferenced sketch keeps its own. Several exemplars are styles: a label map says
 /// which goes where. Without any line in the sketch the exemplar's ground is continued everywhere.
 #[derive(Params, Clone, Debug)]
 pub struct Synthesise {
@@ -176,8 +176,7 @@ pub fn synthesise(
     let Some(first) = exemplars.first() else {
         return Err(Error::EmptyInput { what: "the list of exemplars".into() });
     };
-    let mut grid = sketch.grid.clone();
-    (grid.cell, grid.georef) = (first.terrain.grid().cell, None);
+    let grid = output_grid(&sketch.grid, first, job);
     let rules = &fitting(rules, &exemplars, job);
     let mut canvas = Canvas::new(size, job)?;
     if let Some(given) = inputs.given {
@@ -271,6 +270,21 @@ fn chosen_role(site: &Site) -> usize {
     }
 }
 
+/// The grid of what is made for a sketch: a drawing takes on the exemplar's cells, a map keeps its own and its place.
+pub(super) fn output_grid(sketch: &Grid, exemplar: &Exemplar, job: &Job<'_>) -> Grid {
+    let mut grid = sketch.clone();
+    let cell = exemplar.terrain.grid().cell;
+    if grid.georef.is_none() {
+        grid.cell = cell;
+    } else if (grid.cell.x / cell.x - 1.0).abs() > 0.01 || (grid.cell.y / cell.y - 1.0).abs() > 0.01 {
+        job.warn(format!(
+            "the sketch's cells of {:.1} × {:.1} m take ground from cells of {:.1} m: slopes change accordingly",
+            grid.cell.x, grid.cell.y, cell.x
+        ));
+    }
+    grid
+}
+
 /// The rules with a patch that fits into the smallest exemplar.
 fn fitting(rules: &Rules, exemplars: &[Exemplar], job: &Job<'_>) -> Rules {
     let sides = exemplars.iter().map(|exemplar| exemplar.terrain.rows().min(exemplar.terrain.cols()));
@@ -343,7 +357,7 @@ fn styles(
             ));
         };
         let network = Network::new(features, exemplars[owner].scale);
-        let pool = extract(&network, owner, &exemplars[owner].voids, rules, job)?;
+        let pool = extract(&network, owner, &exemplars[owner].terrain, &exemplars[owner].voids, rules, job)?;
         report.left_out += pool.left_out;
         styles[owner].networks.push(network);
         styles[owner].pools.push(pool);

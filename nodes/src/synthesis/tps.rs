@@ -83,17 +83,17 @@ impl Basis {
         for row in 1..side {
             for col in 0..row {
                 let factor = self.factors[row * side + col];
-                for k in 0..2 {
-                    weights[row][k] -= factor * weights[col][k];
-                }
+                let [down, across] = weights[col];
+                weights[row][0] -= factor * down;
+                weights[row][1] -= factor * across;
             }
         }
         for row in (0..side).rev() {
             for col in row + 1..side {
                 let factor = self.factors[row * side + col];
-                for k in 0..2 {
-                    weights[row][k] -= factor * weights[col][k];
-                }
+                let [down, across] = weights[col];
+                weights[row][0] -= factor * down;
+                weights[row][1] -= factor * across;
             }
             let pivot = self.factors[row * side + row];
             weights[row] = weights[row].map(|x| x / pivot);
@@ -238,8 +238,7 @@ fn factor(matrix: &mut [f64], side: usize) -> Option<Vec<usize>> {
                 best = row;
             }
         }
-        // Written so that NaN is singular.
-        if !(size(best) > 1e-12 * largest) {
+        if size(best).is_nan() || size(best) <= 1e-12 * largest {
             return None;
         }
         pivots.push(best);

@@ -47,7 +47,8 @@ impl Node for Warp {
         let cell = exemplar.terrain.grid().cell;
         let Some(patch) = inputs.placement.patches.get(self.number as usize - 1) else {
             job.warn(format!("there are only {} patches", inputs.placement.patches.len()));
-            let patch = Heightfield::filled(Grid::new(1, 1, cell)?, f32::NAN, job)?;
+            let place = inputs.exemplar.grid().crop(0, 0, 1, 1)?;
+            let patch = Heightfield::filled(place, f32::NAN, job)?;
             return Ok(WarpOut { patch, report: report(f64::NAN, f64::NAN, f64::NAN)? });
         };
         let size = patch.size as usize;

@@ -122,8 +122,9 @@ impl Water {
         let heights = terrain.cells();
         let known = || part.iter().copied().filter(|&i| !heights[i].is_nan());
         // The mouth is the lowest cell, at the border where the river reaches it.
-        let at_border =
-            |i: usize| i / cols == 0 || i / cols + 1 == rows || i % cols == 0 || (i + 1) % cols == 0;
+        let at_border = |i: usize| {
+            i / cols == 0 || i / cols + 1 == rows || i.is_multiple_of(cols) || (i + 1).is_multiple_of(cols)
+        };
         let lowest = |cells: &mut dyn Iterator<Item = usize>| {
             cells.min_by(|&a, &b| heights[a].total_cmp(&heights[b]).then(a.cmp(&b)))
         };

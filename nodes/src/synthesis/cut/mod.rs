@@ -97,7 +97,7 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
         }
     };
     let (across, below) = (
-        |i: usize| (i + 1) % cols != 0 && both(i) && both(i + 1),
+        |i: usize| !(i + 1).is_multiple_of(cols) && both(i) && both(i + 1),
         |i: usize| i + cols < n && both(i) && both(i + cols),
     );
     let weights = |on: &dyn Fn(usize) -> bool, step: usize| -> Vec<f64> {

@@ -173,7 +173,7 @@ impl Iteration {
             });
             self.levels.apply(&along, &mut image);
             let curvature = self.dot(&along, &image);
-            if !(curvature > 0.0) {
+            if curvature.is_nan() || curvature <= 0.0 {
                 break;
             }
             let length = product / curvature;
@@ -186,8 +186,7 @@ impl Iteration {
             residual = self.dot(&self.rest, &self.rest).sqrt();
             steps += 1;
         }
-        // Written so that NaN is not good enough.
-        if !(residual <= start * ACCEPTED) {
+        if residual.is_nan() || residual > start * ACCEPTED {
             return Err(Error::NotConverged { steps: steps as u64, residual: residual / start });
         }
         let rows = self.solution.chunks(stride).skip(1).take(len / stride - 2);
@@ -257,11 +256,7 @@ mod tests {
             let mut cells: Vec<Cell> = (0..rows * cols).map(kind).collect();
             // Isolated free cells without fixed neighbour have no equation of their own.
             let b: Vec<f64> = (0..rows * cols).map(|i| 100.0 * draw(2, i)).collect();
-            for i in 0..cells.len() {
-                if i % 7 == 0 {
-                    cells[i] = Cell::Fixed;
-                }
-            }
+            cells.iter_mut().step_by(7).for_each(|cell| *cell = Cell::Fixed);
             let floating: Vec<usize> = floating_parts(cols, &cells, &b).into_iter().flatten().collect();
             floating.iter().for_each(|&i| cells[i] = Cell::Outside);
             let domain = Domain { cols, cells: &cells, weights };

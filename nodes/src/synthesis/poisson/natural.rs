@@ -23,8 +23,7 @@ pub fn solve(cols: usize, b: &[f64], hold: f64, job: &Job<'_>) -> Result<Vec<f64
     if b.is_empty() {
         return Ok(Vec::new());
     }
-    // Written so that NaN is refused.
-    if cols == 0 || !b.len().is_multiple_of(cols) || !(hold > 0.0) {
+    if cols == 0 || !b.len().is_multiple_of(cols) || hold.is_nan() || hold <= 0.0 {
         return Err(Error::invalid(
             "a right side is no rectangle, or nothing holds its solution",
             "give one number a cell",

@@ -68,6 +68,7 @@ pub fn correction(
     grow: usize,
     job: &Job<'_>,
 ) -> Result<Vec<f64>> {
+    job.check()?;
     let Composite { cols, old, new, is_new } = *composite;
     let n = old.len();
     if new.len() != n || is_new.len() != n || cols == 0 && n > 0 || cols > 0 && !n.is_multiple_of(cols) {
@@ -150,7 +151,7 @@ fn lone_rectangle(cols: usize, cells: &[Cell]) -> Option<[usize; 4]> {
         match cell {
             Cell::Free => across && down,
             Cell::Fixed => !(across && down),
-            Cell::Outside => !(across && down) && !beside,
+            Cell::Outside => !(beside || across && down),
         }
     });
     fits.then_some([top, left, bottom + 1 - top, right + 1 - left])

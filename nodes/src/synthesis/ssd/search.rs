@@ -368,3 +368,6 @@ fn draw(network: &Network, factor: usize, rows: usize, cols: usize, out: &mut [f
         }
     }
 }
+
+#[cfg(test)]
+mod tests;
