@@ -112,7 +112,7 @@ pub fn book(registry: &Registry) -> Vec<(String, String)> {
         let mut pages = format!("# {family}\n");
         for spec in specs {
             let anchor = spec.id.replace('.', "");
-            let _ = writeln!(index, "| [`{}`]({family}.md#{anchor}) | {} |", spec.id, cell(spec.summary()));
+            let _ = writeln!(index, "| [`{}`]({family}.md#{anchor}) | {} |", spec.id, cell(&spec.summary()));
             let _ = write!(pages, "\n{}", node_page(spec));
         }
         files.push((format!("{family}.md"), pages));

@@ -12,8 +12,7 @@ pub(crate) fn run(options: &NodesOptions) -> Result<(), Failure> {
         if options.json {
             console::result(&json!(specs).to_string());
         } else {
-            let rows: Vec<_> =
-                specs.iter().map(|spec| vec![spec.id.to_string(), spec.summary().to_owned()]).collect();
+            let rows: Vec<_> = specs.iter().map(|spec| vec![spec.id.to_string(), spec.summary()]).collect();
             console::result(&console::columns(&rows));
         }
         return Ok(());

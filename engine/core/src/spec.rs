@@ -41,17 +41,20 @@ impl NodeSpec {
         self.id.split('.').next().unwrap_or(&self.id)
     }
 
-    /// First sentence of the docs.
+    /// First sentence of the docs, on one line.
     #[must_use]
-    pub fn summary(&self) -> &str {
+    pub fn summary(&self) -> String {
         first_sentence(&self.doc)
     }
 }
 
-/// First sentence of a doc text.
-pub(crate) fn first_sentence(doc: &str) -> &str {
-    let paragraph = doc.split("\n\n").next().unwrap_or(doc);
-    paragraph.find(". ").or_else(|| paragraph.find(".\n")).map_or(paragraph, |end| &paragraph[..=end])
+/// First sentence of a doc text, on one line.
+pub(crate) fn first_sentence(doc: &str) -> String {
+    let paragraph = doc.split("\n\n").next().unwrap_or(doc).replace('\n', " ");
+    match paragraph.find(". ") {
+        Some(end) => paragraph[..=end].to_owned(),
+        None => paragraph,
+    }
 }
 
 /// An input or output.
@@ -94,9 +97,9 @@ pub struct ParamSpec {
 }
 
 impl ParamSpec {
-    /// First sentence of the docs.
+    /// First sentence of the docs, on one line.
     #[must_use]
-    pub fn summary(&self) -> &str {
+    pub fn summary(&self) -> String {
         first_sentence(&self.doc)
     }
 }

@@ -53,12 +53,12 @@ fn everything_has_docs_that_read_as_sentences() {
                 &format!("{what} has a long tooltip: {summary}"),
             );
         };
-        doc("the node", &spec.doc, spec.summary());
+        doc("the node", &spec.doc, &spec.summary());
         for port in spec.inputs.iter().chain(&spec.outputs) {
             doc(&format!("port `{}`", port.name), &port.doc, "");
         }
         for param in &spec.params {
-            doc(&format!("parameter `{}`", param.name), &param.doc, param.summary());
+            doc(&format!("parameter `{}`", param.name), &param.doc, &param.summary());
             if let ParamKind::Choice { options } = &param.kind {
                 for option in options {
                     doc(&format!("option `{}`", option.name), &option.doc, "");
