@@ -16,9 +16,9 @@ use std::{
     collections::BTreeMap,
     env, fs,
     path::{Path, PathBuf},
-    process::{Command, ExitCode},
+    process::ExitCode,
     sync::Arc,
-    time::Instant,
+    time::{Duration, Instant},
 };
 
 use orograph_core::Context;
@@ -218,7 +218,10 @@ fn expect_report(cold: &Run, report: &Report, how: &str) -> Result<()> {
 
 /// Runs the program and returns what it printed.
 fn orograph(command: &[&str], graph: &Path, more: &[&str]) -> Result<String> {
-    let output = Command::new(env!("CARGO_BIN_EXE_orograph"))
+    /// Longer than any graph takes on a busy machine: a run that hangs is to fail under its name.
+    const PATIENCE: Duration = Duration::from_secs(600);
+    let output = assert_cmd::Command::new(env!("CARGO_BIN_EXE_orograph"))
+        .timeout(PATIENCE)
         .args(command)
         .arg(graph)
         .args(more)

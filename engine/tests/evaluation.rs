@@ -9,7 +9,8 @@ use std::{
 
 use orograph_core::{Context, Error, ParamValue, Value};
 use orograph_engine::{
-    CancelToken, Evaluator, Graph, NodeId, Outcome, OutputRef, Report, Request, cache::Tier, eval::Silent,
+    Cache, CancelToken, DiskTier, Evaluator, Graph, NodeId, Outcome, OutputRef, Report, Request, cache::Tier,
+    eval::Silent,
 };
 use support::{Bench, Starts, in_memory, on_disk};
 
@@ -214,6 +215,42 @@ fn a_new_process_recomputes_nothing_and_a_changed_last_node_exactly_one() {
     let third = pull(&on_disk(folder.path(), 1 << 30), &graph, &[end]);
     assert_eq!(third.counts().computed, 1);
     assert_eq!(height(&third), height(&first) + 100.0);
+}
+
+#[test]
+fn large_values_from_disk_reach_many_nodes_at_once() {
+    // Such a value is checked on the whole pool; a thread that holds a lock meanwhile can be asked for it again by
+    // what it takes up while it waits.
+    let graph = |by: f64| {
+        let mut bench = Bench::new();
+        let ends: Vec<_> = (0..16)
+            .map(|i| {
+                let look =
+                    [("cells", ParamValue::Integer(400)), ("height", ParamValue::Number(f64::from(i)))];
+                let field = bench.add(&format!("field{i}"), "test.field", &look, &[]);
+                let by = [("by", ParamValue::Number(by))];
+                bench.add(&format!("raise{i}"), "test.raise", &by, &[("terrain", field, "terrain")])
+            })
+            .collect();
+        (bench.build(), ends)
+    };
+    let folder = tempfile::tempdir().unwrap();
+    let root = folder.path().to_owned();
+    let (done, told) = std::sync::mpsc::channel();
+    // Not joined: where it is stuck, the test is to fail and not to wait.
+    std::thread::spawn(move || {
+        for run in 0..40 {
+            let (graph, ends) = graph(f64::from(run));
+            let cache = Cache::new(1 << 30, Some(DiskTier::open(&root).unwrap()));
+            let report = pull(&Evaluator::new(cache, 4).unwrap(), &graph, &ends);
+            let _ = done.send(report.counts().computed);
+        }
+    });
+    for run in 0..40 {
+        let computed =
+            told.recv_timeout(Duration::from_secs(60)).unwrap_or_else(|_| panic!("run {run} is stuck"));
+        assert_eq!(computed, if run == 0 { 32 } else { 16 }, "the fields come from disk");
+    }
 }
 
 #[test]

@@ -146,9 +146,8 @@ impl Run {
             let line = &mut state.lines[node as usize];
             line.phase = Phase::Running;
             let (action, forced) = (line.action, line.forced);
-            let (Some(slots), Some(action)) = (self.slots(&state, node), action) else {
-                // A value was lost between the look and the grasp: have it made again.
-                Scheduler::new(self, &mut state).retry(node, Phase::Values);
+            let (Some(records), Some(action)) = (self.records(&state, node), action) else {
+                Scheduler::new(self, &mut state).retry(node, Phase::Records);
                 continue;
             };
             // Under the lock, so that the answer cannot come before the line says that it is awaited.
@@ -158,28 +157,35 @@ impl Run {
                 continue;
             }
             drop(state);
-            self.perform(node, &slots, action, forced);
+            self.perform(node, &records, action, forced);
         }
     }
 
-    fn slots(&self, state: &State, node: u32) -> Option<Vec<Slot>> {
-        let ports = &self.node(node).inputs;
-        let mut slots = Vec::with_capacity(ports.len());
-        for wires in ports {
-            let value = |wire: &OutputRef| {
-                let record = state.lines[self.stand_in[wire.node.index()] as usize].record()?;
-                self.shared.cache.value(record.outputs.get(wire.output as usize)?)
-            };
+    /// The records that a node's wires come from, one for each wire.
+    fn records(&self, state: &State, node: u32) -> Option<Vec<Arc<Record>>> {
+        self.inputs(node).map(|input| state.lines[input as usize].record().cloned()).collect()
+    }
+
+    /// A node's inputs. To be called without the lock: a value from disk is checked on the whole pool, and a thread
+    /// that waits there takes up other work, which needs the lock.
+    fn slots(&self, node: u32, records: &[Arc<Record>]) -> Option<Vec<Slot>> {
+        let mut records = records.iter();
+        let mut value = |wire: &OutputRef| {
+            let record = records.next()?;
+            self.shared.cache.value(record.outputs.get(wire.output as usize)?)
+        };
+        let mut slots = Vec::with_capacity(self.node(node).inputs.len());
+        for wires in &self.node(node).inputs {
             slots.push(match wires.as_slice() {
                 [] => Slot::Empty,
                 [wire] => Slot::One(value(wire)?),
-                wires => Slot::Many(wires.iter().map(value).collect::<Option<_>>()?),
+                wires => Slot::Many(wires.iter().map(&mut value).collect::<Option<_>>()?),
             });
         }
         Some(slots)
     }
 
-    fn perform(&self, node: u32, slots: &[Slot], action: Digest, forced: bool) {
+    fn perform(&self, node: u32, records: &[Arc<Record>], action: Digest, forced: bool) {
         let known = if forced { None } else { self.lookup(node, &action) };
         let result = match known {
             // Someone finished it since this node looked.
@@ -187,7 +193,15 @@ impl Run {
                 self.change(|scheduler| scheduler.finish(node, record, Outcome::Cutoff(tier)));
                 Ok(())
             }
-            None => self.compute(node, slots, action),
+            None => match self.slots(node, records) {
+                Some(slots) => self.compute(node, &slots, action),
+                None => {
+                    // A value was lost between the look and the grasp: have it made again.
+                    self.change(|scheduler| scheduler.retry(node, Phase::Values));
+                    // Those who wait for this node try by themselves.
+                    Err(Error::Cancelled)
+                }
+            },
         };
         for (run, node) in self.shared.in_flight.release(&action) {
             if let Some(run) = run.upgrade() {
