@@ -121,9 +121,9 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
     let network = Network { cols, right: &capacities(&right), down: &capacities(&down), pins: &pins };
     // Without old cells to keep the cut is nowhere and all is new; the flow's labels say just that.
     let old_side = min_cut(&network, job)?.source_side;
-    let has_new = pins.contains(&Pin::Sink);
+    let (has_old, has_new) = (pins.contains(&Pin::Source), pins.contains(&Pin::Sink));
     let is_new = |i: usize| {
-        if both(i) { has_new && !old_side[i] || !pins.contains(&Pin::Source) } else { !new[i].is_nan() }
+        if both(i) { has_new && !old_side[i] || !has_old } else { !new[i].is_nan() }
     };
     let labels: Vec<bool> = (0..n).map(is_new).collect();
     let mut found = Seam { new: labels, cost: 0.0, n_cut: 0 };

@@ -5,6 +5,7 @@
 //! ends. Ends are warped like paths. Costs are in units of what the exemplar itself shows: bending of a few degrees, its
 //! own steps, its own profiles. A candidate whose line does not stand out from both sides where it is to lie pays for it.
 
+mod cheapest;
 mod controls;
 mod frame;
 mod probes;
@@ -24,6 +25,7 @@ use super::{
     settings::Rules,
     tps::{Basis, Point, Spline},
 };
+use cheapest::cheapest;
 use controls::{controls, is_straight, pairings, triangle_images};
 use frame::{Frame, Warped};
 use probes::{JOIN, Probes};
@@ -39,13 +41,9 @@ const CREST: f64 = 20.0;
 #[derive(Clone, Debug)]
 struct Fit<'a> {
     candidate: &'a Candidate,
-    number: usize,
-    shift: usize,
     sources: Vec<Point>,
     spline: Spline,
     bend: f64,
-    /// All but the seam.
-    cheap: f64,
 }
 
 /// The chosen patch, ready to be pasted.
@@ -117,11 +115,8 @@ pub fn choose(site: &Site, pool: &Pool, scene: &Scene<'_>, job: &Job<'_>) -> Res
         site.role != Role::Branch || list.iter().any(|candidate| candidate.site.arms.len() == all.len());
     let mut fits: Vec<Fit<'_>> = list
         .par_iter()
-        .enumerate()
-        .filter(|(_, candidate)| {
-            !exact || site.role != Role::Branch || candidate.site.arms.len() == all.len()
-        })
-        .flat_map_iter(|(number, candidate)| best_fit(site, &basis, &probes, candidate, number, scene))
+        .filter(|candidate| !exact || site.role != Role::Branch || candidate.site.arms.len() == all.len())
+        .filter_map(|candidate| best_fit(site, &basis, candidate, rules))
         .collect();
     // Windows that served often enough wait until nothing else is left.
     let reach = rules.patch as f64 / 2.0;
@@ -129,16 +124,18 @@ pub fn choose(site: &Site, pool: &Pool, scene: &Scene<'_>, job: &Job<'_>) -> Res
     if fits.iter().any(|fit| uses(fit) < rules.max_uses) {
         fits.retain(|fit| uses(fit) < rules.max_uses);
     }
-    for fit in &mut fits {
-        fit.cheap += rules.repetition * uses(fit) as f64;
-    }
-    fits.sort_by(|a, b| {
-        a.cheap.total_cmp(&b.cheap).then(a.number.cmp(&b.number)).then(a.shift.cmp(&b.shift))
-    });
     let n_kept = if site.role == Role::Branch { rules.n_branch } else { rules.n_path };
-    // Whether a warp folds is dear to tell, so only those that would be kept are asked.
+    let repeated = |fit: &Fit<'_>| rules.repetition * uses(fit) as f64;
+    let bound = |fit: &Fit<'_>| warp_cost(fit, rules) + repeated(fit);
+    let cost = |fit: &Fit<'_>| {
+        let exemplar = &scene.exemplars[fit.candidate.exemplar];
+        let heights = probes.heights(fit, &basis, &exemplar.terrain);
+        let limit = rules.lift.map_or(0.0, |share| share * exemplar.range);
+        let lift = probes.lift(&heights).unwrap_or(0.0).clamp(-limit, limit);
+        base_cost(fit, &probes, &heights, lift, exemplar, scene) + repeated(fit)
+    };
     let whole = |fit: &Fit<'_>| !basis.folds(&fit.spline, site.center, rules.radius(), false);
-    let fits: Vec<Fit<'_>> = fits.into_iter().filter(whole).take(n_kept).collect();
+    let fits = cheapest(fits, n_kept, bound, cost, whole);
     let center = site.center.map(|x| (x + 0.5).floor() as i64);
     let inner = Window::around(center[0], center[1], rules.patch, scene.canvas.size);
     if inner.is_empty() || fits.is_empty() {
@@ -196,20 +193,9 @@ pub fn choose(site: &Site, pool: &Pool, scene: &Scene<'_>, job: &Job<'_>) -> Res
 }
 
 /// The pairing of a candidate's arms that bends least, when it can be used.
-fn best_fit<'a>(
-    site: &Site,
-    basis: &Basis,
-    probes: &Probes,
-    candidate: &'a Candidate,
-    number: usize,
-    scene: &Scene<'_>,
-) -> Option<Fit<'a>> {
-    let rules = scene.rules;
-    let exemplar = &scene.exemplars[candidate.exemplar];
+fn best_fit<'a>(site: &Site, basis: &Basis, candidate: &'a Candidate, rules: &Rules) -> Option<Fit<'a>> {
     let mut best: Option<Fit<'a>> = None;
-    for (shift, arms) in
-        pairings(candidate.site.arms.len(), site.arms.len(), site.role).into_iter().enumerate()
-    {
+    for arms in pairings(candidate.site.arms.len(), site.arms.len(), site.role) {
         let mut sources = controls(&candidate.site, &arms, rules);
         if rules.strict() && site.role == Role::Path {
             // The paper's three points, unless they are in line on either side.
@@ -224,15 +210,15 @@ fn best_fit<'a>(
         }
         let bend = spline.energy() + STRETCH * stretch.distortion();
         if best.as_ref().is_none_or(|best| bend < best.bend) {
-            best = Some(Fit { candidate, number, shift, sources, spline, bend, cheap: bend });
+            best = Some(Fit { candidate, sources, spline, bend });
         }
     }
-    let mut fit = best?;
-    let heights = probes.heights(&fit, basis, &exemplar.terrain);
-    let limit = rules.lift.map_or(0.0, |share| share * exemplar.range);
-    let lift = probes.lift(&heights).unwrap_or(0.0).clamp(-limit, limit);
-    fit.cheap = base_cost(&fit, probes, &heights, lift, exemplar, scene);
-    Some(fit)
+    best
+}
+
+/// What bending and stretching cost.
+fn warp_cost(fit: &Fit<'_>, rules: &Rules) -> f64 {
+    if rules.strict() { 1000.0 * fit.spline.energy() } else { fit.bend / BEND }
 }
 
 /// Every cost but the seam's.
@@ -245,14 +231,11 @@ fn base_cost(
     scene: &Scene<'_>,
 ) -> f64 {
     let (profile, joins) = probes.profile(heights, lift);
+    let warp = warp_cost(fit, scene.rules);
     if scene.rules.strict() {
-        return if fit.candidate.site.role == Role::Branch {
-            1000.0 * fit.spline.energy()
-        } else {
-            1000.0 * fit.spline.energy() + 3.0 * profile
-        };
+        return if fit.candidate.site.role == Role::Branch { warp } else { warp + 3.0 * profile };
     }
-    let mut cost = fit.bend / BEND + CREST * probes.flatness(heights, scene.kind);
+    let mut cost = warp + CREST * probes.flatness(heights, scene.kind);
     if joins > 0.0 && exemplar.step > 0.0 {
         // Profiles five times as far apart as cells: their differences in units of five steps.
         cost += (profile / (JOIN as f64 * joins)).sqrt() / (2.5 * exemplar.step);
