@@ -108,6 +108,21 @@ pub struct Sheet {
     pub core: Vec<bool>,
 }
 
+/// A patch cut to the ground in its window.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The patch.
+    pub sheet: Sheet,
+    /// What is there now.
+    pub old: Vec<f32>,
+    /// The seam between.
+    pub seam: Seam,
+    /// Where the patch came from.
+    pub patch: Patch,
+    /// Row and column in the exemplar of each of its cells.
+    pub sources: Vec<Point>,
+}
+
 impl Canvas {
     /// Nothing known.
     ///
@@ -219,29 +234,30 @@ impl Canvas {
         seam(&overlay, rules.seam_weight, job)
     }
 
-    /// Pastes `sheet` along `seam` and spreads the step. `patch` tells where it came from, `source` where each of its
-    /// cells did. The number of cells that were unknown before.
+    /// Heights of a piece but for what stays: that is not to move for its sake, so there it has no say.
+    fn movable(&self, sheet: &Sheet) -> Vec<f32> {
+        let height =
+            |i: usize| if self.frozen[self.index(&sheet.window, i)] { f32::NAN } else { sheet.heights[i] };
+        (0..sheet.window.len()).map(height).collect()
+    }
+
+    /// What spreads the step along the seam of `piece`, for each cell of its window.
     ///
     /// # Errors
     /// Those of [`correction`].
-    #[expect(clippy::too_many_arguments, reason = "a patch comes in parts that are made apart")]
-    pub fn paste(
-        &mut self,
-        sheet: &Sheet,
-        old: &[f32],
-        seam: &Seam,
-        patch: Patch,
-        source: impl Fn(usize) -> Point,
-        rules: &Rules,
-        job: &Job<'_>,
-    ) -> Result<usize> {
-        // What stays is not to move for the patch's sake, so there the patch has no say.
-        let heights: Vec<f32> = (0..sheet.window.len())
-            .map(|i| if self.frozen[self.index(&sheet.window, i)] { f32::NAN } else { sheet.heights[i] })
-            .collect();
-        let composite = Composite { cols: sheet.window.cols, old, new: &heights, is_new: &seam.new };
-        let added = correction(&composite, rules.seam_gradient, rules.grow, job)?;
-        self.take_steps(sheet, &seam.new);
+    pub fn fit(&self, piece: &Piece, rules: &Rules, job: &Job<'_>) -> Result<Vec<f64>> {
+        let Piece { sheet, old, seam, .. } = piece;
+        let new = self.movable(sheet);
+        let composite = Composite { cols: sheet.window.cols, old, new: &new, is_new: &seam.new };
+        correction(&composite, rules.seam_gradient, rules.grow, job)
+    }
+
+    /// Pastes `piece` with what [`fit`](Self::fit) `added`. The number of cells that were unknown before.
+    pub fn paste(&mut self, piece: Piece, added: &[f64]) -> usize {
+        let Piece { sheet, old, seam, patch, sources } = piece;
+        let new = self.movable(&sheet);
+        let composite = Composite { cols: sheet.window.cols, old: &old, new: &new, is_new: &seam.new };
+        self.take_steps(&sheet, &seam.new);
         self.centers.push(patch.target_center);
         self.patches.push(patch);
         let label = self.patches.len() as u32;
@@ -260,13 +276,13 @@ impl Canvas {
             if seam.new[i] && !sheet.heights[i].is_nan() {
                 filled += usize::from(old[i].is_nan());
                 self.labels[at] = label;
-                self.sources[at] = source(i).map(|x| x as f32);
+                self.sources[at] = sources[i].map(|x| x as f32);
                 if sheet.core.get(i).copied().unwrap_or(false) {
                     self.cores[at] = label;
                 }
             }
         }
-        Ok(filled)
+        filled
     }
 
     /// Keeps the steps of a patch's own surface: within its cells as they are, across its seam half and half.

@@ -5,12 +5,14 @@
 //! known ground beside the gap is compared and may be replaced, a third of a patch wide, so that what features put in
 //! place stays.
 
+use std::cmp::Reverse;
+
 use orograph_core::prelude::*;
 use orograph_core::{Patch, key, unit};
 use rayon::prelude::*;
 
 use super::{
-    canvas::{Canvas, Sheet, Window},
+    canvas::{Canvas, Piece, Sheet, Window},
     cut::Seam,
     exemplar::Exemplar,
     matching::Uses,
@@ -25,6 +27,10 @@ const STREAM: u64 = 0x7365_6564;
 const SHOWN: usize = 2;
 /// Places drawn for it.
 const N_SEEDS: i64 = 64;
+/// Windows that are filled together. A number of its own, so that no result depends on that of threads.
+const AT_ONCE: usize = 4;
+/// Share of the next window's known cells that another must have to be filled together with it.
+const BEHIND: f64 = 0.8;
 
 /// What to fill from: an exemplar and its search, by style.
 pub struct Sources<'a> {
@@ -80,22 +86,48 @@ pub fn fill(
     for place in &mut places {
         place.known = known(canvas, &place.window);
     }
+    let at_once = if layout.raster || rules.strict() { 1 } else { AT_ONCE };
+    let reach = rules.patch as f64;
     let stage = job.stage(places.len() as u64);
-    while let Some(next) = next(&places, layout) {
+    loop {
         job.check()?;
-        let window = places[next].window;
-        let which = style(canvas, &window);
-        let pasted = if places[next].known == 0 {
-            plant(canvas, &sources.exemplars[which], which, &window, uses, rules, job)?
-        } else {
-            grow(canvas, sources, which, &window, layout, uses, rules, job)?
-        };
-        places[next].tried = true;
-        stage.advance(1);
-        if pasted {
-            counts.pasted += 1;
-            for place in places.iter_mut().filter(|place| place.window.touches(&window)) {
-                place.known = known(canvas, &place.window);
+        let round = round(&places, layout, at_once, canvas.size);
+        if round.is_empty() {
+            break;
+        }
+        let ground = &*canvas;
+        let found: Vec<Option<(Piece, Vec<f64>)>> = round
+            .par_iter()
+            .map(|&at| {
+                let Place { window, known, .. } = &places[at];
+                let which = style(ground, window);
+                let piece = if *known == 0 {
+                    plant(ground, &sources.exemplars[which], which, window, rules, job)?
+                } else {
+                    grow(ground, sources, which, window, layout, uses, rules, job)?
+                };
+                piece.map(|piece| ground.fit(&piece, rules, job).map(|added| (piece, added))).transpose()
+            })
+            .collect::<Result<_>>()?;
+        let mut taken = Uses::default();
+        for (&at, found) in round.iter().zip(found) {
+            let source =
+                found.as_ref().map(|(piece, _)| (piece.patch.exemplar as usize, piece.patch.source_center));
+            if source.is_some_and(|(which, center)| taken.near(which, center, reach) > 0) {
+                // Another of the round has the same ground: this one chooses again, knowing that.
+                continue;
+            }
+            let window = places[at].window;
+            places[at].tried = true;
+            stage.advance(1);
+            let (Some((piece, added)), Some((which, center))) = (found, source) else { continue };
+            uses.add(which, center);
+            taken.add(which, center);
+            if canvas.paste(piece, &added) > 0 {
+                counts.pasted += 1;
+                for place in places.iter_mut().filter(|place| place.window.touches(&window)) {
+                    place.known = known(canvas, &place.window);
+                }
             }
         }
     }
@@ -150,19 +182,40 @@ fn next(places: &[Place], layout: &Layout) -> Option<usize> {
     Some(if places[best].known == 0 && open(&places[middle]) { middle } else { best })
 }
 
-/// Pastes a window drawn by the seed where nothing is known.
+/// The windows to go on with together: the next one, and others not far behind it that share no cell with it or with
+/// each other, so that none needs to know of the rest.
+fn round(places: &[Place], layout: &Layout, at_once: usize, size: (usize, usize)) -> Vec<usize> {
+    let Some(first) = next(places, layout) else { return Vec::new() };
+    let mut round = vec![first];
+    let least = places[first].known as f64 * BEHIND;
+    if at_once > 1 && least > 0.0 {
+        let follows =
+            |place: &Place| !place.tried && place.known < place.window.len() && place.known as f64 >= least;
+        let mut others: Vec<usize> = (0..places.len()).filter(|&i| follows(&places[i])).collect();
+        others.sort_by_key(|&i| (Reverse(places[i].known), i));
+        for other in others {
+            let window = places[other].window.framed(size);
+            if round.len() < at_once && round.iter().all(|&i| !places[i].window.framed(size).touches(&window))
+            {
+                round.push(other);
+            }
+        }
+    }
+    round
+}
+
+/// A window drawn by the seed where nothing is known.
 fn plant(
-    canvas: &mut Canvas,
+    canvas: &Canvas,
     exemplar: &Exemplar,
     which: usize,
     window: &Window,
-    uses: &mut Uses,
     rules: &Rules,
     job: &Job<'_>,
-) -> Result<bool> {
+) -> Result<Option<Piece>> {
     let (rows, cols) = exemplar.terrain.grid().size();
     if window.rows > rows || window.cols > cols {
-        return Ok(false);
+        return Ok(None);
     }
     for i in 0..N_SEEDS {
         let draw = |axis: i64, n: usize| (unit(key(rules.seed, STREAM, i, axis)) * (n + 1) as f64) as usize;
@@ -172,25 +225,24 @@ fn plant(
             let open = vec![true; window.len()];
             let (sheet, old) = sheet(canvas, exemplar, window, &found, &open);
             let seam = canvas.seam(&sheet.window, &sheet.heights, &[], &old, [0.0; 2], rules, job)?;
-            paste(canvas, exemplar, which, window, &found, (&sheet, &old, &seam), uses, rules, job)?;
-            return Ok(true);
+            return Ok(Some(piece(which, window, &found, sheet, old, seam)));
         }
     }
-    Ok(false)
+    Ok(None)
 }
 
 /// Continues known ground into a window.
 #[expect(clippy::too_many_arguments, reason = "one step of a loop, whose state it takes apart")]
 fn grow(
-    canvas: &mut Canvas,
+    canvas: &Canvas,
     sources: &Sources<'_>,
     which: usize,
     window: &Window,
     layout: &Layout,
-    uses: &mut Uses,
+    uses: &Uses,
     rules: &Rules,
     job: &Job<'_>,
-) -> Result<bool> {
+) -> Result<Option<Piece>> {
     let exemplar = &sources.exemplars[which];
     let old = canvas.part(window);
     let open: Vec<bool> = old.iter().map(|height| height.is_nan()).collect();
@@ -218,13 +270,13 @@ fn grow(
         }
     }
     found.truncate(rules.n_cut);
-    let judged: Vec<(f64, Sheet, Vec<f32>, Seam)> = found
+    let judged: Vec<(f64, Piece)> = found
         .par_iter()
         .map(|found| {
             let (sheet, old) = sheet(canvas, exemplar, window, found, &near);
             let seam = canvas.seam(&sheet.window, &sheet.heights, &[], &old, [0.0; 2], rules, job)?;
-            let center =
-                [found.row as f64 + window.rows as f64 / 2.0, found.col as f64 + window.cols as f64 / 2.0];
+            let piece = piece(which, window, found, sheet, old, seam);
+            let (seam, center) = (&piece.seam, piece.patch.source_center);
             let n_compared = compared.iter().filter(|height| !height.is_nan()).count() as f64;
             let cost = if rules.strict() {
                 found.mismatch * n_compared + seam.cost
@@ -233,14 +285,14 @@ fn grow(
                 let cost = found.mismatch.sqrt() / step + seam.mean_cost() / step;
                 cost * (1.0 + 2.0 * rules.repetition * uses.near(which, center, 2.0 * reach) as f64)
             };
-            Ok((cost, sheet, old, seam))
+            Ok((cost, piece))
         })
         .collect::<Result<_>>()?;
-    let Some(best) = (0..judged.len()).min_by(|&a, &b| judged[a].0.total_cmp(&judged[b].0)) else {
-        return Ok(false);
-    };
-    let (_, sheet, old, seam) = &judged[best];
-    paste(canvas, exemplar, which, window, &found[best], (sheet, old, seam), uses, rules, job)
+    // The first of equals, which fits better before the cut.
+    Ok(judged
+        .into_iter()
+        .reduce(|best, next| if next.0.total_cmp(&best.0).is_lt() { next } else { best })
+        .map(|(_, piece)| piece))
 }
 
 /// The exemplar's window in the canvas's, framed; only cells that are open or `near` have heights.
@@ -267,36 +319,24 @@ fn sheet(
     (Sheet { window: framed, heights, core: Vec::new() }, old)
 }
 
-#[expect(clippy::too_many_arguments, reason = "one step of a loop, whose state it takes apart")]
-fn paste(
-    canvas: &mut Canvas,
-    _exemplar: &Exemplar,
-    which: usize,
-    window: &Window,
-    found: &Found,
-    (sheet, old, seam): (&Sheet, &[f32], &Seam),
-    uses: &mut Uses,
-    rules: &Rules,
-    job: &Job<'_>,
-) -> Result<bool> {
+/// A window of the exemplar and where it comes from.
+fn piece(which: usize, window: &Window, found: &Found, sheet: Sheet, old: Vec<f32>, seam: Seam) -> Piece {
     let half = [window.rows as f64 / 2.0, window.cols as f64 / 2.0];
-    let source_center = [found.row as f64 + half[0], found.col as f64 + half[1]];
     let patch = Patch {
         exemplar: which as u32,
-        source_center,
+        source_center: [found.row as f64 + half[0], found.col as f64 + half[1]],
         target_center: [window.top as f64 + half[0], window.left as f64 + half[1]],
         size: window.rows.max(window.cols) as u32,
         mirrored: false,
         controls: Vec::new(),
         offset: found.lift,
     };
-    let framed = sheet.window;
     let source = |i: usize| {
-        let (row, col) = framed.cell(i);
+        let (row, col) = sheet.window.cell(i);
         [(found.row + row) as f64 - window.top as f64, (found.col + col) as f64 - window.left as f64]
     };
-    uses.add(which, source_center);
-    Ok(canvas.paste(sheet, old, seam, patch, source, rules, job)? > 0)
+    let sources = (0..sheet.window.len()).map(source).collect();
+    Piece { sheet, old, seam, patch, sources }
 }
 
 /// Cells within `band` cells, along rows and columns added up, of an open one, open ones included.

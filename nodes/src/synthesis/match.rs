@@ -90,8 +90,8 @@ impl Node for Match {
             };
             match choose(site, &pool, &scene, job)? {
                 Some(chosen) => {
-                    for (i, &height) in chosen.sheet.heights.iter().enumerate() {
-                        patch.cells_mut()[canvas.index(&chosen.sheet.window, i)] = height;
+                    for (i, &height) in chosen.piece.sheet.heights.iter().enumerate() {
+                        patch.cells_mut()[canvas.index(&chosen.piece.sheet.window, i)] = height;
                     }
                     ranked = chosen.considered;
                 }

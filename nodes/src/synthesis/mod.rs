@@ -15,6 +15,7 @@ pub mod r#match;
 pub mod matching;
 pub mod network;
 pub mod patches;
+mod placing;
 pub mod poisson;
 pub mod poisson_seam;
 pub mod replay;

@@ -12,11 +12,12 @@ use super::{
     canvas::{Canvas, Window},
     cut::SeamWeight,
     exemplar::Exemplar,
-    fill_windows::{self, Counts, Layout, Sources},
+    fill_windows::{self, Counts, Layout},
     gradient_merge::merge,
-    matching::{Choice as Chosen, Scene, Uses, choose},
-    network::{Network, Role, Site},
-    patches::{Pool, extract},
+    matching::Uses,
+    network::Network,
+    patches::extract,
+    placing::{Placing, Sources, Style},
     settings::{Order, Preset, Rules},
     ssd::Searcher,
 };
@@ -148,12 +149,6 @@ impl Report {
     }
 }
 
-/// An exemplar's networks and pools, by kind of feature.
-struct Style {
-    networks: Vec<Network>,
-    pools: Vec<Pool>,
-}
-
 /// The terrain, where it came from, and what was placed.
 ///
 /// # Errors
@@ -198,46 +193,11 @@ pub fn synthesise(
         job.warn("the sketch has no lines: the exemplar's ground is continued everywhere");
     }
     if order != Order::Raster {
-        let mut cores: Vec<[f64; 2]> = Vec::new();
+        let ground = Sources { exemplars: &exemplars, styles: &styles };
+        let mut placing =
+            Placing { canvas: &mut canvas, uses: &mut uses, report: &mut report, cores: Vec::new() };
         for sketch in &inputs.sketches {
-            let network = Network::new(sketch, [1.0; 2]);
-            let mut plan = network.plan(rules.patch as f64);
-            if order == Order::RasterItems {
-                let band = |site: &Site| (site.center[0] / (rules.patch as f64 / 2.0)).floor();
-                plan.sort_by(|a, b| band(a).total_cmp(&band(b)).then(a.center[1].total_cmp(&b.center[1])));
-            }
-            let earlier = cores.len();
-            report.planned += plan.len();
-            let stage = job.stage(plan.len() as u64);
-            for site in plan {
-                stage.advance(1);
-                job.check()?;
-                let close = |core: &[f64; 2]| {
-                    libm::hypot(core[0] - site.center[0], core[1] - site.center[1]) < rules.patch as f64 / 4.0
-                };
-                if cores[..earlier].iter().any(close) || is_given(&canvas, &site) {
-                    continue;
-                }
-                let window = Window::around(site.center[0] as i64, site.center[1] as i64, rules.patch, size);
-                if window.is_empty() {
-                    continue;
-                }
-                let style = &styles[style_of(&canvas, &window)];
-                let scene =
-                    Scene { canvas: &canvas, exemplars: &exemplars, kind: sketch.kind, uses: &uses, rules };
-                let found = place(&site, style, &scene, job)?;
-                if found.is_empty() {
-                    report.unmatched += 1;
-                }
-                for chosen in found {
-                    report.seam += chosen.seam.mean_cost();
-                    report.placed[chosen_role(&site)] += 1;
-                    uses.add(chosen.patch.exemplar as usize, chosen.patch.source_center);
-                    let Chosen { sheet, old, seam, patch, sources, .. } = chosen;
-                    canvas.paste(&sheet, &old, &seam, patch, |i| sources[i], rules, job)?;
-                    cores.push(site.center);
-                }
-            }
+            placing.follow(sketch, &ground, &style_of, order, rules, job)?;
         }
         if report.unmatched > 0 {
             job.warn(format!("{} places of the sketch found no patch that fits", report.unmatched));
@@ -249,7 +209,7 @@ pub fn synthesise(
         .zip(&styles)
         .map(|(exemplar, style)| Searcher::new(exemplar, &style.networks.iter().collect::<Vec<_>>(), job))
         .collect::<Result<_>>()?;
-    let sources = Sources { exemplars: &exemplars, searchers: &searchers };
+    let sources = fill_windows::Sources { exemplars: &exemplars, searchers: &searchers };
     let layout = layout(rules, order, drawn, &exemplars);
     report.fill = fill_windows::fill(&mut canvas, &sources, &layout, &style_of, &mut uses, rules, job)?;
     if report.fill.smoothed > 0 {
@@ -260,14 +220,6 @@ pub fn synthesise(
     }
     let (terrain, placement) = canvas.finish(grid, &exemplars)?;
     Ok((terrain, placement, report))
-}
-
-fn chosen_role(site: &Site) -> usize {
-    match site.role {
-        Role::Branch => 0,
-        Role::End => 1,
-        Role::Path => 2,
-    }
 }
 
 /// The grid of what is made for a sketch: a drawing takes on the exemplar's cells, a map keeps its own and its place.
@@ -310,14 +262,6 @@ fn layout(rules: &Rules, order: Order, drawn: bool, exemplars: &[Exemplar]) -> L
     let step = rules.fill_step().min((side * 2 / 3).max(1));
     let most_lines = if drawn { side as f64 / 4.0 } else { f64::INFINITY };
     Layout { side, step, raster: false, most_lines }
-}
-
-/// Whether a place lies on ground that stays.
-fn is_given(canvas: &Canvas, site: &Site) -> bool {
-    let [row, col] = site.center.map(|x| (x + 0.5).floor());
-    let (rows, cols) = canvas.size;
-    let inside = row >= 0.0 && col >= 0.0 && row < rows as f64 && col < cols as f64;
-    inside && canvas.is_frozen(row as usize * cols + col as usize)
 }
 
 /// The style of most of a window's unknown cells; of equals the least.
@@ -363,32 +307,4 @@ fn styles(
         styles[owner].pools.push(pool);
     }
     Ok(styles)
-}
-
-/// What goes to a place: one patch, or several paths through a branch that no candidate fits, or nothing.
-fn place(site: &Site, style: &Style, scene: &Scene<'_>, job: &Job<'_>) -> Result<Vec<Chosen>> {
-    let Some(at) = style.networks.iter().position(|network| network.kind == scene.kind) else {
-        return Ok(Vec::new());
-    };
-    let pool = &style.pools[at];
-    if let Some(chosen) = choose(site, pool, scene, job)? {
-        return Ok(vec![chosen]);
-    }
-    if site.role == Role::Path || site.arms.len() < 2 {
-        return Ok(Vec::new());
-    }
-    // The straightest way through.
-    let (mut best, mut pair) = (f64::INFINITY, [0, 1]);
-    for a in 0..site.arms.len() {
-        for b in a + 1..site.arms.len() {
-            let apart = (site.arms[a].angle() - site.arms[b].angle()).abs();
-            let bent = (apart - std::f64::consts::PI).abs();
-            if bent < best {
-                (best, pair) = (bent, [a, b]);
-            }
-        }
-    }
-    let through =
-        Site { role: Role::Path, center: site.center, arms: pair.map(|arm| site.arms[arm].clone()).into() };
-    Ok(choose(&through, pool, scene, job)?.into_iter().collect())
 }

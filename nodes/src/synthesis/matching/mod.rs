@@ -17,7 +17,7 @@ use rayon::prelude::*;
 pub use uses::Uses;
 
 use super::{
-    canvas::{Canvas, Sheet, Window},
+    canvas::{Canvas, Piece, Sheet, Window},
     cut::Seam,
     exemplar::Exemplar,
     network::{Role, Site},
@@ -49,16 +49,8 @@ struct Fit<'a> {
 /// The chosen patch, ready to be pasted.
 #[derive(Clone, Debug)]
 pub struct Choice {
-    /// The patch in its window.
-    pub sheet: Sheet,
-    /// What is there now.
-    pub old: Vec<f32>,
-    /// The seam between.
-    pub seam: Seam,
-    /// Where it came from.
-    pub patch: Patch,
-    /// Where each of its cells came from.
-    pub sources: Vec<Point>,
+    /// The patch, cut.
+    pub piece: Piece,
     /// Its cost, by the rules' own measure.
     pub cost: f64,
     /// Its rank's runners-up: exemplar, centre, mirrored, cost without the seam.
@@ -189,7 +181,8 @@ pub fn choose(site: &Site, pool: &Pool, scene: &Scene<'_>, job: &Job<'_>) -> Res
         offset: warped.lift,
     };
     let sheet = Sheet { window: frame.window, heights: warped.heights, core: frame.core };
-    Ok(Some(Choice { sheet, old: frame.old, seam, patch, sources: warped.sources, cost, considered }))
+    let piece = Piece { sheet, old: frame.old, seam, patch, sources: warped.sources };
+    Ok(Some(Choice { piece, cost, considered }))
 }
 
 /// The pairing of a candidate's arms that bends least, when it can be used.
