@@ -3,7 +3,10 @@
 use divan::{Bencher, counter::ItemsCount};
 use orograph_core::{CellSize, Features, Grid, Heightfield, Job, Node, key, signed_unit};
 use orograph_nodes::{
-    feature::ppa::{Ppa, PpaIn},
+    feature::{
+        ppa::{Ppa, PpaIn},
+        settings::Reduction,
+    },
     synthesis::{
         cut::{Keep, Overlay, SeamWeight, seam},
         exemplar::Exemplar,
@@ -106,7 +109,8 @@ fn whole(bencher: Bencher<'_, '_>, side: usize) {
     let lines = features(&exemplar);
     // The lines of other ground, the main ones only, are the sketch.
     let ground = terrain(side, side, 6);
-    let node = Ppa { profiles: false, density: 0.005, min_group: 60, ..Ppa::default() };
+    let reduction = Reduction { min_group: 60, ..Reduction::default() };
+    let node = Ppa { profiles: false, density: 0.005, reduction, ..Ppa::default() };
     let sketch = node.run(PpaIn { terrain: &ground }, &Job::detached()).expect("there is ground").features;
     let inputs = SynthesiseIn {
         sketches: vec![&sketch],

@@ -4,6 +4,7 @@
 //! `Job`. Algorithms are plain functions beside their nodes, so that other nodes may share them.
 
 pub mod adjust;
+mod chance;
 pub mod combine;
 pub mod feature;
 pub mod filter;
@@ -14,6 +15,7 @@ pub mod look;
 pub mod mask;
 pub mod mcmd;
 pub mod measure;
+mod patch_size;
 pub mod repair;
 pub mod surface;
 pub mod synthesis;
@@ -21,8 +23,10 @@ pub mod synthesis;
 mod test_fields;
 pub mod transform;
 
+pub use chance::Chance;
 pub use ground::Ground;
 use orograph_core::NodeType;
+pub use patch_size::PatchSize;
 
 /// Every built-in node type, family by family.
 #[must_use]

@@ -19,21 +19,9 @@ use super::{
 /// `feature.ppa`.
 #[derive(Params, Clone, Debug)]
 pub struct BranchReduction {
-    /// Rounds that take the outermost segment off every end before branches are judged.
-    #[param(default = 3u32, range = 0..=32, slider = 0..=10, unit = "1")]
-    pub end_trim: u32,
-    /// Least segments of a branch.
-    #[param(default = 7u32, range = 0..=256, slider = 0..=40, unit = "1")]
-    pub min_branch: u32,
-    /// A branch that never gets further than this many working cells from the rest goes; 0 lets it be.
-    #[param(default = 3, range = 0.0..=32.0, slider = 0.0..=12.0, unit = "1")]
-    pub parallel_radius: f64,
-    /// Least segments of a connected group.
-    #[param(default = 10u32, range = 0..=4096, slider = 0..=100, unit = "1")]
-    pub min_group: u32,
-    /// Gives ends that stay the segments back that trimming took.
-    #[param(default = true)]
-    pub regrow: bool,
+    /// What is taken off.
+    #[param(flatten)]
+    pub reduction: Reduction,
 }
 
 /// Inputs of [`BranchReduction`].
@@ -67,14 +55,7 @@ impl Node for BranchReduction {
             ));
         }
         let crests: Vec<f32> = heights.iter().map(|height| crest(*height, features.kind)).collect();
-        let reduction = Reduction {
-            end_trim: self.end_trim as usize,
-            min_branch: self.min_branch as usize,
-            parallel_radius: self.parallel_radius,
-            min_group: self.min_group as usize,
-            regrow: self.regrow,
-        };
-        let forest = reduce(forest, &crests, &reduction, job)?;
+        let forest = reduce(forest, &crests, &self.reduction, job)?;
         let frame = Frame {
             grid: &features.grid,
             blocks: blocks_of(features)?,
@@ -134,7 +115,7 @@ pub fn reduce(forest: Forest, crests: &[f32], by: &Reduction, job: &Job) -> Resu
     }
     let mut forest = pruner.forest;
     for group in groups(&forest) {
-        if group.len() <= by.min_group {
+        if group.len() <= by.min_group as usize {
             group.into_iter().for_each(|cell| forest.links[cell] = 0);
         }
     }
@@ -189,7 +170,7 @@ impl Pruner<'_> {
 
     /// Takes off short and parallel branches, judging each anew when its turn comes.
     fn prune(&mut self, job: &Job) -> Result<()> {
-        let least = self.by.min_branch.saturating_sub(self.by.end_trim);
+        let least = self.by.min_branch.saturating_sub(self.by.end_trim) as usize;
         let leaves = (0..self.alive.len()).filter(|&cell| self.forest.degree(cell) == 1);
         let mut heap: BinaryHeap<Reverse<Branch>> = leaves.map(|leaf| Reverse(self.branch(leaf).0)).collect();
         let mut turn = 0_u64;
@@ -286,7 +267,7 @@ impl Pruner<'_> {
                 let gone =
                     full.directions(end).map(|direction| (direction, full.lattice.step(end, direction)));
                 let deepest = gone.filter(|(_, cell)| !self.alive[*cell]).max_by(|(_, a), (_, b)| {
-                    let depth = |cell| self.depth(full, cell, end, self.by.end_trim);
+                    let depth = |cell| self.depth(full, cell, end, self.by.end_trim as usize);
                     depth(*a)
                         .cmp(&depth(*b))
                         .then_with(|| self.crests[*a].total_cmp(&self.crests[*b]))

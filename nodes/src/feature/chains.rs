@@ -1,6 +1,7 @@
 //! Points and lines of a forest: chains between junctions and ends, near junctions made one, lines smoothed.
 
 use orograph_core::{FeaturePoint, PointKind, Polyline, prelude::*};
+use petgraph::unionfind::UnionFind;
 
 use super::{
     forest::{Forest, Frame},
@@ -24,7 +25,7 @@ struct Chain {
 /// [`Error::Cancelled`].
 pub fn shape(forest: &Forest, frame: &Frame<'_>, shaping: &Shaping, job: &Job) -> Result<Features> {
     let chains = chains(forest, job)?;
-    let (kept, hubs) = merge(forest, chains, shaping.merge_radius);
+    let (kept, hubs) = merge(forest, chains, shaping.joining.merge_radius);
     // Points are numbered by place, whatever the order in which chains were found.
     let mut keys: Vec<usize> =
         kept.iter().flat_map(|chain| [chain.cells[0], chain.cells[chain.cells.len() - 1]]).collect();
@@ -51,7 +52,7 @@ pub fn shape(forest: &Forest, frame: &Frame<'_>, shaping: &Shaping, job: &Job) -
         if hubs.of(last) != last {
             path.push(place(&hubs.of(last)));
         }
-        smooth(&mut path, shaping.smooth_passes);
+        smooth(&mut path, shaping.joining.smooth_passes);
         path.iter_mut().for_each(|at| *at = frame.blocks.to_cells(*at, frame.grid));
         let vertices = resample(&path, features.scale.max(1.0));
         features.lines.push(Polyline { from, to, vertices, profiles: Vec::new() });
@@ -129,14 +130,13 @@ fn merge(forest: &Forest, chains: Vec<Chain>, radius: f64) -> (Vec<Chain>, Hubs)
     members.sort_unstable();
     members.dedup();
     let index = |cell: usize| members.partition_point(|&member| member < cell);
-    let mut trees: Vec<usize> = (0..members.len()).collect();
+    let mut trees = UnionFind::new(members.len());
     for (a, b) in pairs {
-        let (a, b) = (root(&trees, index(a)), root(&trees, index(b)));
-        trees[a.max(b)] = a.min(b);
+        trees.union(index(a), index(b));
     }
-    let mut groups: Vec<(usize, usize)> = (0..members.len()).map(|i| (root(&trees, i), members[i])).collect();
+    let mut groups: Vec<(usize, usize)> = trees.into_labeling().into_iter().zip(members).collect();
     groups.sort_unstable();
-    let mut stands_for = Vec::with_capacity(members.len());
+    let mut stands_for = Vec::with_capacity(groups.len());
     for group in groups.chunk_by(|a, b| a.0 == b.0) {
         let places = || group.iter().map(|&(_, cell)| forest.lattice.place(cell));
         let n = group.len() as f64;
@@ -155,15 +155,8 @@ fn merge(forest: &Forest, chains: Vec<Chain>, radius: f64) -> (Vec<Chain>, Hubs)
     (kept, Hubs { stands_for })
 }
 
-fn root(trees: &[usize], mut i: usize) -> usize {
-    while trees[i] != i {
-        i = trees[i];
-    }
-    i
-}
-
 /// Averages each inner vertex with its neighbours, a quarter each, `passes` times; the ends stay.
-pub(crate) fn smooth(path: &mut [[f64; 2]], passes: usize) {
+pub(crate) fn smooth(path: &mut [[f64; 2]], passes: u32) {
     for _ in 0..passes {
         let mut before = path.first().copied().unwrap_or_default();
         for i in 1..path.len().saturating_sub(1) {

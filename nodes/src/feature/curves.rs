@@ -3,6 +3,7 @@
 use std::collections::VecDeque;
 
 use orograph_core::prelude::*;
+use petgraph::unionfind::UnionFind;
 
 use super::{
     chains::distance,
@@ -204,12 +205,11 @@ impl Mesh {
             let (x, y) = (self.edges[a], self.edges[b]);
             importance(y).total_cmp(&importance(x)).then(far(x).cmp(&far(y))).then(a.cmp(&b))
         });
-        let mut trees: Vec<usize> = (0..self.places.len()).collect();
+        let mut trees = UnionFind::new(self.places.len());
         let mut kept = Vec::with_capacity(self.edges.len());
         for i in order {
-            let [a, b] = self.edges[i].map(|vertex| root(&mut trees, vertex));
-            if a != b {
-                trees[a.max(b)] = a.min(b);
+            let [a, b] = self.edges[i];
+            if trees.union(a, b) {
                 kept.push(i);
             }
         }
@@ -245,13 +245,4 @@ impl Mesh {
         }
         chains
     }
-}
-
-/// The root of a vertex's tree; every second vertex on the way is hung higher.
-fn root(trees: &mut [usize], mut vertex: usize) -> usize {
-    while trees[vertex] != vertex {
-        trees[vertex] = trees[trees[vertex]];
-        vertex = trees[vertex];
-    }
-    vertex
 }

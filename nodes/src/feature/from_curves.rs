@@ -96,7 +96,7 @@ impl Node for FromCurves {
             };
             curves.push(points.iter().map(place).collect());
         }
-        let features = trace(&curves, grid, self.kind.into(), self.snap, self.smooth_passes as usize, job)?;
+        let features = trace(&curves, grid, self.kind.into(), self.snap, self.smooth_passes, job)?;
         if features.lines.is_empty() {
             job.warn("there is no curve of two places or more");
         }
@@ -113,7 +113,7 @@ pub fn trace(
     grid: Grid,
     kind: FeatureKind,
     snap: f64,
-    smooth_passes: usize,
+    smooth_passes: u32,
     job: &Job,
 ) -> Result<Features> {
     let mut mesh = Mesh::new(curves, snap, job)?;

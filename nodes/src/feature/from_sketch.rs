@@ -8,10 +8,13 @@ use super::{
     lattice::Blocks,
     loops, medial,
     ppa::{Found, forest},
-    settings::{Kind, Shaping, Steps, crest},
+    settings::{Kind, Steps, crest},
     sketch::{NO_STROKE, Prepared, Sketch, Strokes, prepare},
 };
-use crate::transform::resize::{Method, resize};
+use crate::{
+    PatchSize,
+    transform::resize::{Method, resize},
+};
 
 /// Finds the ridges or valleys that a sketch shows: the middle lines of its strokes, whatever their width.
 ///
@@ -31,9 +34,9 @@ pub struct FromSketch {
     /// How far from the background towards the strokes' full strength a pixel must be to count as stroke.
     #[param(default = 0.5, range = 0.05..=0.95, unit = "1")]
     pub threshold: f64,
-    /// Size of the patches that the lines are for: it sets over what length a line's end points somewhere.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
+    /// The patches that the lines are for: they set over what length a line's end points somewhere.
+    #[param(flatten)]
+    pub patches: PatchSize,
     /// Smoothing passes over each line.
     #[param(default = 2u32, range = 0..=32, slider = 0..=10, unit = "1")]
     pub smooth_passes: u32,
@@ -83,7 +86,7 @@ impl Node for FromSketch {
             let frame = Frame { grid: sketch.grid(), blocks, heights: &[], kind: self.kind.into() };
             return Ok(FromSketchOut { features: frame.features(Vec::new(), Vec::new()) });
         };
-        let found = trace(&prepared, sketch.grid(), self.patch as usize, self.smooth_passes as usize, job)?;
+        let found = trace(&prepared, sketch.grid(), self.patches.side(), self.smooth_passes, job)?;
         if found.features.lines.is_empty() {
             job.warn("the strokes are too short to show a line");
         }
@@ -97,13 +100,7 @@ impl Node for FromSketch {
 /// # Errors
 /// [`Error::BadSize`] for a sketch that shrinking leaves less than 3 × 3 blocks; [`Error::TooLarge`];
 /// [`Error::Cancelled`].
-pub fn trace(
-    prepared: &Prepared,
-    grid: &Grid,
-    patch: usize,
-    smooth_passes: usize,
-    job: &Job,
-) -> Result<Found> {
+pub fn trace(prepared: &Prepared, grid: &Grid, patch: usize, smooth_passes: u32, job: &Job) -> Result<Found> {
     let steps = prepared.steps();
     // The prepared field has strokes as crests whatever they stand for.
     let upright = Steps { kind: FeatureKind::Ridge, ..steps };
@@ -111,7 +108,8 @@ pub fn trace(
     let blocks = Blocks { down: prepared.shrink, across: prepared.shrink };
     let heights: Vec<f32> = raw.heights.iter().map(|&height| crest(height, steps.kind)).collect();
     let frame = Frame { grid, blocks, heights: &heights, kind: steps.kind };
-    let shaping = Shaping { smooth_passes, ..prepared.shaping(patch) };
+    let mut shaping = prepared.shaping(patch);
+    shaping.joining.smooth_passes = smooth_passes;
     let mut features = shape(&raw.forest, &frame, &shaping, job)?;
     medial::centre(&mut features, &prepared.edges, blocks, &shaping, job)?;
     loops::close(&mut features, &prepared.edges, prepared.width, &shaping, job)?;

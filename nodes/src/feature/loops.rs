@@ -49,8 +49,14 @@ pub(crate) fn close(
     curves.extend(features.rings.iter().map(|ring| ring.map(|point| level(place(point))).to_vec()));
     curves.extend(bridges.iter().map(|bridge| bridge.map(level).to_vec()));
     let scale = features.scale;
-    *features =
-        from_curves::trace(&curves, features.grid.clone(), features.kind, 0.0, shaping.smooth_passes, job)?;
+    *features = from_curves::trace(
+        &curves,
+        features.grid.clone(),
+        features.kind,
+        0.0,
+        shaping.joining.smooth_passes,
+        job,
+    )?;
     features.scale = scale;
     Ok(())
 }

@@ -58,7 +58,7 @@ pub fn centre(
                 [point.row, point.col] = unhook(&mut path, at_start, 2.0 * f64::from(most));
             }
         }
-        smooth(&mut path, shaping.smooth_passes);
+        smooth(&mut path, shaping.joining.smooth_passes);
         line.vertices = resample(&path, features.scale.max(1.0));
     }
     features.rings = rings::close(features, blocks, shaping);

@@ -1,6 +1,6 @@
 //! Features as a graph: what meets where, how long lines are, and the arms of a place.
 
-use orograph_core::{PointKind, prelude::*};
+use orograph_core::prelude::*;
 
 use super::chains::distance;
 
@@ -339,10 +339,4 @@ pub(crate) fn between(a: [f64; 2], b: [f64; 2], share: f64) -> [f64; 2] {
 pub(crate) fn unit(a: [f64; 2], b: [f64; 2]) -> Option<[f64; 2]> {
     let far = distance(a, b);
     (far > 0.0).then(|| [0, 1].map(|k| (b[k] - a[k]) / far))
-}
-
-/// Whether a point ends a line and no ring closes there.
-#[must_use]
-pub fn is_loose_end(network: &Network<'_>, point: usize) -> bool {
-    network.features.points[point].kind == PointKind::End && network.partners[point].is_none()
 }

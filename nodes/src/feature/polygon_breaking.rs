@@ -8,6 +8,7 @@
 use std::cmp::Ordering;
 
 use orograph_core::prelude::*;
+use petgraph::unionfind::UnionFind;
 use rayon::prelude::*;
 
 use super::{
@@ -93,15 +94,12 @@ pub fn spanning_forest(lattice: Lattice, segments: Vec<Segment>, job: &Job) -> R
         Ok(())
     })?;
     let mut forest = Forest::new(lattice);
-    let mut trees: Vec<u32> = (0..lattice.len() as u32).collect();
+    let mut trees = UnionFind::<u32>::new(lattice.len());
     for (n, segment) in sorted.iter().enumerate() {
         if n.is_multiple_of(1 << 16) {
             job.check()?;
         }
-        let (a, b) = (root(&mut trees, segment.from), root(&mut trees, segment.to));
-        if a != b {
-            // The lower number becomes the root; which one does so changes no link.
-            trees[a.max(b) as usize] = a.min(b);
+        if trees.union(segment.from, segment.to) {
             segment.join(&mut forest);
         }
     }
@@ -136,14 +134,4 @@ fn part(segments: Vec<Segment>) -> (Vec<Segment>, Vec<usize>) {
 fn most_important_first(a: &Segment, b: &Segment) -> Ordering {
     let by = |i: usize| b.importance[i].total_cmp(&a.importance[i]);
     by(0).then_with(|| by(1)).then_with(|| (a.from, a.to).cmp(&(b.from, b.to)))
-}
-
-/// The root of a cell's tree; every second cell on the way is hung higher.
-fn root(trees: &mut [u32], mut cell: u32) -> u32 {
-    while trees[cell as usize] != cell {
-        let above = trees[cell as usize];
-        trees[cell as usize] = trees[above as usize];
-        cell = trees[cell as usize];
-    }
-    cell
 }

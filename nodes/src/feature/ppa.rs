@@ -15,9 +15,12 @@ use super::{
     polygon_breaking::spanning_forest,
     profile_recognition::Relief,
     profiles,
-    settings::{Drop, Importance, Kind, LADDER, Preset, Reduction, Shaping, Sided, Steps, crest},
+    settings::{
+        Drop, Falls, Importance, Joining, Kind, LADDER, Preset, Profiles, Reduction, Shaping, Steps, crest,
+    },
     target_connection::connect,
 };
+use crate::PatchSize;
 
 /// How the drop is found.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -40,18 +43,15 @@ pub struct Ppa {
     /// Ridges or valleys.
     #[param(default = Kind::Ridge)]
     pub kind: Kind,
-    /// Size of the patches that the lines are for: it sets where lines point and what a working cell of 0 means.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
+    /// The patches that the lines are for: they set where lines point.
+    #[param(flatten)]
+    pub patches: PatchSize,
     /// Side of a working cell; 0 takes a sixteenth of the patch size.
     #[param(default = 0u32, range = 0..=32, slider = 0..=10, unit = "cells")]
     pub working_cell: u32,
-    /// Smoothing before, as a standard deviation in working cells; 0 for none.
-    #[param(default = 0, range = 0.0..=32.0, slider = 0.0..=4.0, unit = "1")]
-    pub sigma: f64,
-    /// Working cells on each side of a profile.
-    #[param(default = 3u32, range = 1..=32, slider = 1..=12, unit = "1")]
-    pub half_profile: u32,
+    /// The profiles.
+    #[param(flatten)]
+    pub across: Profiles,
     /// How the drop is found.
     #[param(default = DropBy::Density)]
     pub drop_by: DropBy,
@@ -61,36 +61,18 @@ pub struct Ppa {
     /// Share of the ground that lines are to cover, when the drop is found by density.
     #[param(default = 0.04, range = 0.0..=1.0, slider = 0.005..=0.15, unit = "1")]
     pub density: f64,
-    /// On which sides a profile must fall.
-    #[param(default = Sided::TwoSided)]
-    pub sided: Sided,
-    /// Share of the height range below which, or for valleys above which, there are no lines.
-    #[param(default = 0, range = 0.0..=1.0, unit = "1")]
-    pub floor: f64,
+    /// Which falls count.
+    #[param(flatten)]
+    pub falls: Falls,
     /// What makes one of two segments more important.
     #[param(default = Importance::MeanEndpoint)]
     pub importance: Importance,
-    /// Rounds that take the outermost segment off every end before branches are judged.
-    #[param(default = 3u32, range = 0..=32, slider = 0..=10, unit = "1")]
-    pub end_trim: u32,
-    /// Least segments of a branch.
-    #[param(default = 7u32, range = 0..=256, slider = 0..=40, unit = "1")]
-    pub min_branch: u32,
-    /// A branch that never gets further than this many working cells from the rest goes; 0 lets it be.
-    #[param(default = 3, range = 0.0..=32.0, slider = 0.0..=12.0, unit = "1")]
-    pub parallel_radius: f64,
-    /// Least segments of a connected group.
-    #[param(default = 10u32, range = 0..=4096, slider = 0..=100, unit = "1")]
-    pub min_group: u32,
-    /// Gives ends that stay the segments back that trimming took.
-    #[param(default = true)]
-    pub regrow: bool,
-    /// Branch points become one if the line between them is shorter than this many working cells.
-    #[param(default = 4, range = 0.0..=64.0, slider = 0.0..=16.0, unit = "1")]
-    pub merge_radius: f64,
-    /// Smoothing passes over each line.
-    #[param(default = 2u32, range = 0..=32, slider = 0..=10, unit = "1")]
-    pub smooth_passes: u32,
+    /// What is taken off.
+    #[param(flatten)]
+    pub reduction: Reduction,
+    /// What becomes of junctions and lines.
+    #[param(flatten)]
+    pub joining: Joining,
     /// Takes heights across the lines along.
     #[param(default = true)]
     pub profiles: bool,
@@ -148,7 +130,7 @@ impl Ppa {
     #[must_use]
     pub fn steps(&self) -> Steps {
         let kind = self.kind.into();
-        let mut steps = Steps::for_patch(kind, self.patch as usize);
+        let mut steps = Steps::for_patch(kind, self.patches.side());
         if self.working_cell > 0 {
             steps.working_cell = self.working_cell as usize;
         }
@@ -156,21 +138,14 @@ impl Ppa {
             DropBy::Density => Drop::Density(self.density),
             DropBy::Share => Drop::Share(self.drop),
         };
-        let reduction = Reduction {
-            end_trim: self.end_trim as usize,
-            min_branch: self.min_branch as usize,
-            parallel_radius: self.parallel_radius,
-            min_group: self.min_group as usize,
-            regrow: self.regrow,
-        };
         Steps {
-            sigma: self.sigma,
-            half_profile: self.half_profile as usize,
+            sigma: self.across.sigma,
+            half_profile: self.across.half_profile as usize,
             drop,
-            sided: self.sided,
-            floor: self.floor,
+            sided: self.falls.sided,
+            floor: self.falls.floor,
             importance: self.importance,
-            reduction,
+            reduction: self.reduction,
             ..steps
         }
         .under(self.preset)
@@ -180,9 +155,8 @@ impl Ppa {
     #[must_use]
     pub fn shaping(&self, steps: &Steps) -> Shaping {
         Shaping {
-            merge_radius: self.merge_radius,
-            smooth_passes: self.smooth_passes as usize,
-            ..Shaping::for_patch(self.patch as usize, steps.reduction.parallel_radius)
+            joining: self.joining,
+            ..Shaping::for_patch(self.patches.side(), steps.reduction.parallel_radius)
         }
     }
 }

@@ -9,7 +9,7 @@ use orograph_core::prelude::*;
 
 use super::{
     lattice::{Blocks, Lattice, STEPS, block_means},
-    settings::{Kind, Sided, crest},
+    settings::{Falls, Profiles, Sided, WorkingCells, crest},
 };
 use crate::filter::gaussian_blur::blur;
 
@@ -18,27 +18,18 @@ use crate::filter::gaussian_blur::blur;
 /// The first of four steps; `feature.ppa` takes them all at once.
 #[derive(Params, Clone, Debug)]
 pub struct ProfileRecognition {
-    /// Ridges or valleys.
-    #[param(default = Kind::Ridge)]
-    pub kind: Kind,
-    /// Side of the blocks whose mean heights are looked at. A sixteenth of the patch size suits synthesis.
-    #[param(default = 5u32, range = 1..=32, slider = 1..=10, unit = "cells")]
-    pub working_cell: u32,
-    /// Smoothing before, as a standard deviation in working cells; 0 for none.
-    #[param(default = 0, range = 0.0..=32.0, slider = 0.0..=4.0, unit = "1")]
-    pub sigma: f64,
-    /// Working cells on each side of a profile.
-    #[param(default = 3u32, range = 1..=32, slider = 1..=12, unit = "1")]
-    pub half_profile: u32,
+    /// The working cells.
+    #[param(flatten)]
+    pub cells: WorkingCells,
+    /// The profiles.
+    #[param(flatten)]
+    pub profiles: Profiles,
     /// How far a profile must fall, as a share of the height range.
     #[param(default = 0.05, range = 0.0..=1.0, slider = 0.0..=0.1, unit = "1")]
     pub drop: f64,
-    /// On which sides it must fall.
-    #[param(default = Sided::TwoSided)]
-    pub sided: Sided,
-    /// Share of the height range below which, or for valleys above which, no cell counts.
-    #[param(default = 0, range = 0.0..=1.0, unit = "1")]
-    pub floor: f64,
+    /// Which falls count.
+    #[param(flatten)]
+    pub falls: Falls,
 }
 
 /// Inputs of [`ProfileRecognition`].
@@ -68,10 +59,10 @@ impl Node for ProfileRecognition {
 
     fn run(&self, inputs: ProfileRecognitionIn<'_>, job: &Job) -> Result<ProfileRecognitionOut> {
         let grid = inputs.terrain.grid();
-        let blocks = Blocks::square(grid.cell, self.working_cell as usize);
-        let relief = Relief::new(inputs.terrain, self.kind.into(), blocks, self.sigma, job)?;
-        let falls = relief.falls(self.half_profile as usize, self.sided, job)?;
-        let marked = relief.candidates(&falls, self.drop, self.floor);
+        let blocks = Blocks::square(grid.cell, self.cells.working_cell as usize);
+        let relief = Relief::new(inputs.terrain, self.cells.kind.into(), blocks, self.profiles.sigma, job)?;
+        let falls = relief.falls(self.profiles.half_profile as usize, self.falls.sided, job)?;
+        let marked = relief.candidates(&falls, self.drop, self.falls.floor);
         if !marked.contains(&true) {
             job.warn("no cell stands out: lower `drop` or `working_cell`");
         }

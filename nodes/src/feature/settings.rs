@@ -97,18 +97,57 @@ pub struct Steps {
 }
 
 /// What branch reduction takes off. Counts and radii are in working cells.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
 pub struct Reduction {
-    /// Rounds that take the outermost segment off every end.
-    pub end_trim: usize,
-    /// Least segments of a branch, before the ends were trimmed.
-    pub min_branch: usize,
-    /// A branch that never leaves this distance from the rest goes; 0 keeps it.
+    /// Rounds that take the outermost segment off every end before branches are judged.
+    #[param(default = 3u32, range = 0..=32, slider = 0..=10, unit = "1")]
+    pub end_trim: u32,
+    /// Least segments of a branch.
+    #[param(default = 7u32, range = 0..=256, slider = 0..=40, unit = "1")]
+    pub min_branch: u32,
+    /// A branch that never gets further than this many working cells from the rest goes; 0 lets it be.
+    #[param(default = 3, range = 0.0..=32.0, slider = 0.0..=12.0, unit = "1")]
     pub parallel_radius: f64,
     /// Least segments of a connected group.
-    pub min_group: usize,
-    /// Whether the ends that stay get back what trimming took.
+    #[param(default = 10u32, range = 0..=4096, slider = 0..=100, unit = "1")]
+    pub min_group: u32,
+    /// Gives ends that stay the segments back that trimming took.
+    #[param(default = true)]
     pub regrow: bool,
+}
+
+/// The profiles across a working cell.
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
+pub struct Profiles {
+    /// Smoothing before, as a standard deviation in working cells; 0 for none.
+    #[param(default = 0, range = 0.0..=32.0, slider = 0.0..=4.0, unit = "1")]
+    pub sigma: f64,
+    /// Working cells on each side of a profile.
+    #[param(default = 3u32, range = 1..=32, slider = 1..=12, unit = "1")]
+    pub half_profile: u32,
+}
+
+/// Which falls of a profile count.
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
+pub struct Falls {
+    /// On which sides a profile must fall.
+    #[param(default = Sided::TwoSided)]
+    pub sided: Sided,
+    /// Share of the height range below which, or for valleys above which, there are no lines.
+    #[param(default = 0, range = 0.0..=1.0, unit = "1")]
+    pub floor: f64,
+}
+
+/// The working cells of the steps that are nodes of their own.
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
+pub struct WorkingCells {
+    /// Ridges or valleys; the same in each step.
+    #[param(default = Kind::Ridge)]
+    pub kind: Kind,
+    /// Side of the blocks whose mean heights are looked at; the same in each step. A sixteenth of the patch size suits
+    /// synthesis.
+    #[param(default = 5u32, range = 1..=32, slider = 1..=10, unit = "cells")]
+    pub working_cell: u32,
 }
 
 impl Default for Steps {
@@ -124,12 +163,6 @@ impl Default for Steps {
             importance: Importance::MeanEndpoint,
             reduction: Reduction::default(),
         }
-    }
-}
-
-impl Default for Reduction {
-    fn default() -> Self {
-        Self { end_trim: 3, min_branch: 7, parallel_radius: 3.0, min_group: 10, regrow: true }
     }
 }
 
@@ -163,22 +196,28 @@ impl Steps {
 }
 
 /// The numbers that turn a forest of working cells into points and lines.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
 pub struct Shaping {
-    /// Branch points joined by a line shorter than this, in working cells, become one.
-    pub merge_radius: f64,
-    /// Smoothing passes over each line.
-    pub smooth_passes: usize,
-    /// Ends nearer than this, in working cells, that face each other close a ring.
+    /// What becomes of junctions and lines.
+    #[param(flatten)]
+    pub joining: Joining,
+    /// Ends nearer than this many working cells that face each other close a ring.
+    #[param(default = 3, range = 0.0..=64.0, slider = 0.0..=12.0, unit = "1")]
     pub ring_gap: f64,
-    /// Length of line, in cells of the terrain, that tells where an end points.
+    /// Length of line that tells where an end points.
+    #[param(default = 10, range = 1.0..=512.0, slider = 1.0..=40.0, unit = "cells")]
     pub heading: f64,
 }
 
-impl Default for Shaping {
-    fn default() -> Self {
-        Self { merge_radius: 4.0, smooth_passes: 2, ring_gap: 3.0, heading: 10.0 }
-    }
+/// What becomes of junctions and of the lines between them.
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
+pub struct Joining {
+    /// Branch points become one if the line between them is shorter than this many working cells.
+    #[param(default = 4, range = 0.0..=64.0, slider = 0.0..=16.0, unit = "1")]
+    pub merge_radius: f64,
+    /// Smoothing passes over each line.
+    #[param(default = 2u32, range = 0..=32, slider = 0..=10, unit = "1")]
+    pub smooth_passes: u32,
 }
 
 impl Shaping {

@@ -83,7 +83,8 @@ impl Node for Sketch {
         }
         let steps = prepared.as_ref().map_or(Steps { working_cell: 1, ..Steps::default() }, Prepared::steps);
         let width = prepared.as_ref().map_or(0.0, |prepared| prepared.width);
-        let merge_radius = prepared.as_ref().map_or(4.0, |prepared| prepared.shaping(80).merge_radius);
+        let merge_radius =
+            prepared.as_ref().map_or(4.0, |prepared| prepared.shaping(80).joining.merge_radius);
         let drop = if let Drop::Share(drop) = steps.drop { drop } else { STROKE_DROP };
         let suggested = Table::metrics([
             ("stroke_width", Unit::Pixel, width),
@@ -144,7 +145,7 @@ impl Prepared {
             half_profile: half_profile(width) as usize,
             drop: Drop::Share(STROKE_DROP),
             reduction: Reduction {
-                min_branch: width.max(7.0).ceil() as usize,
+                min_branch: width.max(7.0).ceil() as u32,
                 parallel_radius: (width / 2.0 + 1.0).max(3.0),
                 ..Reduction::default()
             },
@@ -155,8 +156,9 @@ impl Prepared {
     /// The numbers of classification that go with it, for patches of `patch` cells.
     #[must_use]
     pub fn shaping(&self, patch: usize) -> Shaping {
-        let merge_radius = self.block_width.max(4.0);
-        Shaping { merge_radius, ..Shaping::for_patch(patch, self.steps().reduction.parallel_radius) }
+        let mut shaping = Shaping::for_patch(patch, self.steps().reduction.parallel_radius);
+        shaping.joining.merge_radius = self.block_width.max(4.0);
+        shaping
     }
 }
 

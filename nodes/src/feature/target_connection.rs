@@ -9,18 +9,15 @@ use rayon::prelude::*;
 use super::{
     forest::{Forest, Frame},
     lattice::{Blocks, Lattice, block_means},
-    settings::{Importance, Kind, crest},
+    settings::{Importance, WorkingCells, crest},
 };
 
 /// Joins neighbouring candidates by segments. The second of the four steps of `feature.ppa`.
 #[derive(Params, Clone, Debug)]
 pub struct TargetConnection {
-    /// Ridges or valleys, as in `feature.profile_recognition`.
-    #[param(default = Kind::Ridge)]
-    pub kind: Kind,
-    /// Side of the blocks of cells, as in `feature.profile_recognition`.
-    #[param(default = 5u32, range = 1..=32, slider = 1..=10, unit = "cells")]
-    pub working_cell: u32,
+    /// The working cells, as in `feature.profile_recognition`.
+    #[param(flatten)]
+    pub cells: WorkingCells,
     /// Which of two crossing diagonals matters more.
     #[param(default = Importance::MeanEndpoint)]
     pub importance: Importance,
@@ -57,8 +54,8 @@ impl Node for TargetConnection {
         let TargetConnectionIn { terrain, candidates } = inputs;
         let grid = terrain.grid();
         grid.match_size("terrain", candidates.grid(), "candidates")?;
-        let kind = self.kind.into();
-        let blocks = Blocks::square(grid.cell, self.working_cell as usize);
+        let kind = self.cells.kind.into();
+        let blocks = Blocks::square(grid.cell, self.cells.working_cell as usize);
         let heights = block_means(terrain, blocks, job)?.into_cells();
         let lattice = blocks.lattice(grid);
         // A block is a candidate if its first cell is: `feature.profile_recognition` marks whole blocks.

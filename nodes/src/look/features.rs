@@ -7,7 +7,10 @@ use super::{
     canvas::{Anchor, Canvas, Type},
     colour::{self, Colour, INK, PAPER, Palette},
 };
-use crate::feature::plan::{Item, ItemKind, Order, plan};
+use crate::{
+    PatchSize,
+    feature::plan::{Item, ItemKind, Order, plan},
+};
 
 /// How the placement order is shown.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -49,9 +52,9 @@ pub struct Features {
     /// That order.
     #[param(default = Order::TreeBfs)]
     pub order: Order,
-    /// Side of those patches.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
+    /// Those patches.
+    #[param(flatten)]
+    pub patches: PatchSize,
     /// Colours from the first patch to the last.
     #[param(default = Palette::Viridis)]
     pub palette: Palette,
@@ -98,7 +101,7 @@ impl Node for Features {
         job.check()?;
         let items = match self.show {
             Show::Nothing => Vec::new(),
-            _ => plan(features, f64::from(self.patch), self.order, job)?,
+            _ => plan(features, f64::from(self.patches.patch), self.order, job)?,
         };
         if self.show == Show::Patches {
             self.outline(&mut canvas, &items, job)?;
@@ -175,8 +178,8 @@ impl Features {
     fn outline(&self, canvas: &mut Canvas, items: &[Item], job: &Job) -> Result<()> {
         for (i, item) in items.iter().enumerate() {
             job.check()?;
-            let corner = |k: usize| (item.centre[k] - f64::from(self.patch / 2)).round() as i64;
-            let side = i64::from(self.patch);
+            let corner = |k: usize| (item.centre[k] - f64::from(self.patches.patch / 2)).round() as i64;
+            let side = i64::from(self.patches.patch);
             canvas.frame(corner(1), corner(0), side, side, self.tint(i, items.len()));
         }
         Ok(())
@@ -259,7 +262,8 @@ mod tests {
     #[test]
     fn the_order_is_drawn_from_the_first_colour_on() {
         for show in [Show::Colours, Show::Numbers, Show::Patches] {
-            let picture = draw(&Features { show, patch: 40, ..Features::default() }, &fork());
+            let picture =
+                draw(&Features { show, patches: PatchSize { patch: 40 }, ..Features::default() }, &fork());
             assert_eq!(picture.at(50, 50), Palette::Viridis.at(0.0), "{show:?}");
         }
     }

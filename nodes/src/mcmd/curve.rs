@@ -3,10 +3,11 @@
 use orograph_core::Unit;
 use orograph_core::prelude::*;
 
+use crate::Chance;
 use crate::mcmd::{
     axis::Axis,
     bottom_up::bottom_up,
-    params::{Chance, Displacement, Flanks, LargeForms, Level, Limits, Named},
+    params::{Displacement, Flanks, LargeForms, Level, Limits, Named},
     settings::{Known, Scheme, Settings},
     top_down::top_down,
 };

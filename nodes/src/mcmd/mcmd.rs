@@ -9,10 +9,11 @@
 use orograph_core::Unit;
 use orograph_core::prelude::*;
 
+use crate::Chance;
 use crate::mcmd::{
     axis::Axis,
     bottom_up::bottom_up,
-    params::{Centers, Chance, Displacement, Flanks, LargeForms, Level, Limits, Named, Subdivision},
+    params::{Centers, Displacement, Flanks, LargeForms, Level, Limits, Named, Subdivision},
     settings::{Known, Settings},
     top_down::top_down,
 };

@@ -2,9 +2,10 @@
 
 use orograph_core::prelude::*;
 
+use crate::Chance;
 use crate::mcmd::{
     axis::Axis,
-    params::{Centers, Chance, Displacement, Flanks, LargeForms, Level, Limits, Named, Subdivision},
+    params::{Centers, Displacement, Flanks, LargeForms, Level, Limits, Named, Subdivision},
     settings::{Known, Settings},
     top_down::top_down,
 };

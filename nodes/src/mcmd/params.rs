@@ -2,7 +2,7 @@
 
 use orograph_core::prelude::*;
 
-use crate::mcmd::settings::{Clamp, Datum, Known, Preset, Scheme, Shape, seed_of};
+use crate::mcmd::settings::{Clamp, Datum, Known, Preset, Scheme, Shape};
 
 /// Settings by name.
 #[derive(Params, Clone, Copy, Debug, PartialEq)]
@@ -132,20 +132,5 @@ impl Limits {
             return Ok(());
         }
         Err(Error::invalid(format!("`lowest` ({lowest} m) lies above `highest` ({highest} m)"), "swap them"))
-    }
-}
-
-/// The random numbers.
-#[derive(Params, Clone, Copy, Debug, PartialEq)]
-pub struct Chance {
-    /// Seed of the random numbers; the run's seed counts too.
-    #[param(default = 0u64, range = 0..=4_294_967_295i64, slider = 0..=1000, unit = "seed")]
-    pub seed: u64,
-}
-
-impl Chance {
-    /// The node's own seed and the run's, as one.
-    pub(crate) fn key(self, job: &Job<'_>) -> u64 {
-        seed_of(self.seed, job)
     }
 }

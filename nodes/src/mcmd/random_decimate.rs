@@ -3,7 +3,7 @@
 use orograph_core::key;
 use orograph_core::prelude::*;
 
-use crate::mcmd::{selection::keep_least, settings::seed_of};
+use crate::{Chance, mcmd::selection::keep_least};
 
 /// Stream of the ranks.
 const STREAM: u64 = 0x6465_6369;
@@ -16,9 +16,9 @@ pub struct RandomDecimate {
     /// Share of the measured cells that is kept, rounded up to a whole cell.
     #[param(default = 0.034, range = 0.0..=1.0, slider = 0.001..=0.2, unit = "1")]
     pub keep: f64,
-    /// Seed of the choice; the run's seed counts too.
-    #[param(default = 0u64, range = 0..=4_294_967_295i64, slider = 0..=1000, unit = "seed")]
-    pub seed: u64,
+    /// The choice.
+    #[param(flatten)]
+    pub chance: Chance,
 }
 
 /// Inputs of [`RandomDecimate`].
@@ -48,7 +48,7 @@ impl Node for RandomDecimate {
     }
 
     fn run(&self, inputs: RandomDecimateIn<'_>, job: &Job) -> Result<RandomDecimateOut> {
-        let seed = seed_of(self.seed, job);
+        let seed = self.chance.key(job);
         let rank = |row: usize, col: usize| {
             let (row, col) = inputs.terrain.grid().base(row, col);
             key(seed, STREAM, col, row)
@@ -67,7 +67,7 @@ mod tests {
     fn the_share_is_exact_and_grows_by_adding() {
         let terrain = field(205, 205, |row, col| (row * 205 + col) as f64);
         let kept = |keep: f64, seed: u64| {
-            let node = RandomDecimate { keep, seed };
+            let node = RandomDecimate { keep, chance: Chance { seed } };
             node.run(RandomDecimateIn { terrain: &terrain }, &Job::detached()).unwrap().constraints
         };
         let (few, more) = (kept(0.034, 1), kept(0.1, 1));

@@ -5,9 +5,10 @@ use std::collections::BTreeMap;
 use orograph_core::prelude::*;
 use orograph_core::{key, mix64, signed_unit};
 
+use crate::Chance;
 use crate::mcmd::{
     mcmd::{Mcmd, McmdIn},
-    params::{Centers, Chance, Displacement, Flanks, LargeForms, Limits, Subdivision},
+    params::{Centers, Displacement, Flanks, LargeForms, Limits, Subdivision},
     settings::{Scheme, falloff},
 };
 use crate::test_fields::field;

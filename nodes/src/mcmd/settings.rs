@@ -1,6 +1,5 @@
 //! What the nodes of this family have in common: schemes, presets, what is known, falloff.
 
-use orograph_core::mix64;
 use orograph_core::prelude::*;
 
 use crate::mcmd::axis::{Axis, MAX_LEVELS};
@@ -173,11 +172,6 @@ impl Known {
             (false, false) => 1.0,
         }
     }
-}
-
-/// A node's own seed and the run's, as one.
-pub(crate) fn seed_of(own: u64, job: &Job<'_>) -> u64 {
-    mix64(own) ^ job.seed()
 }
 
 /// The factor of equation (2) of the paper for a distance that is `share` of the diagonal.

@@ -4,9 +4,10 @@ use std::f64::consts::TAU;
 
 use orograph_core::prelude::*;
 
+use crate::Chance;
 use crate::mcmd::{
     mcmd::{Mcmd, McmdIn},
-    params::{Chance, Displacement, Subdivision},
+    params::{Displacement, Subdivision},
     settings::Scheme,
 };
 use crate::test_fields::field;

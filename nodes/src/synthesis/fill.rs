@@ -1,6 +1,5 @@
 //! Fill: voids filled with windows of an exemplar, outwards from what is known.
 
-use orograph_core::mix64;
 use orograph_core::prelude::*;
 use orograph_core::{Placement, Unit};
 
@@ -11,24 +10,22 @@ use super::{
     gradient_merge::merge,
     matching::Uses,
     network::Network,
-    settings::{Preset, Rules},
+    settings::{Manner, seed_of},
     ssd::Searcher,
 };
+use crate::Chance;
 
 /// Fills the voids of a terrain with ground of an exemplar that fits what is around.
 ///
 /// Known cells stay to the bit, and so seams lie within what is filled.
 #[derive(Params, Clone, Debug)]
 pub struct Fill {
-    /// Whose rules are followed.
-    #[param(default = Preset::Default)]
-    pub preset: Preset,
-    /// Side of a patch; windows are almost twice as wide.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
-    /// Seed of the first window where nothing is known; the run's seed counts too.
-    #[param(default = 0u64, range = 0..=4_294_967_295i64, slider = 0..=1000, unit = "seed")]
-    pub seed: u64,
+    /// Whose rules are followed, and on what scale.
+    #[param(flatten)]
+    pub manner: Manner,
+    /// The first window where nothing is known.
+    #[param(flatten)]
+    pub chance: Chance,
 }
 
 /// Inputs of [`Fill`].
@@ -69,8 +66,8 @@ impl Node for Fill {
         let exemplars = [Exemplar::new(inputs.exemplar, job)?];
         let exemplar = &exemplars[0].terrain;
         let most = exemplar.rows().min(exemplar.cols()).max(1);
-        let mut rules = Rules::of(self.preset, (self.patch as usize).min(most));
-        rules.seed = mix64(self.seed ^ mix64(job.seed()));
+        let mut rules = self.manner.rules(most);
+        rules.seed = seed_of(self.chance, job);
         let networks: Vec<Network> = match inputs.features {
             Some(features) => {
                 inputs.exemplar.grid().match_size("exemplar", &features.grid, "features")?;

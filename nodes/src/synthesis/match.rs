@@ -9,19 +9,16 @@ use super::{
     matching::{Scene, Uses, choose},
     network::Network,
     patches::extract,
-    settings::{Preset, Rules},
+    settings::{Manner, Rules},
     synthesise::output_grid,
 };
 
 /// Ranks what an exemplar has to offer for one place of a sketch, beside the ground that is there.
 #[derive(Params, Clone, Debug)]
 pub struct Match {
-    /// Whose rules are followed.
-    #[param(default = Preset::Default)]
-    pub preset: Preset,
-    /// Side of a patch.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
+    /// Whose rules are followed, and on what scale.
+    #[param(flatten)]
+    pub manner: Manner,
     /// Number of the place, from 1, in the order of placement.
     #[param(default = 1u32, range = 1..=1_000_000, slider = 1..=200, unit = "1")]
     pub place: u32,
@@ -67,7 +64,7 @@ impl Node for Match {
         inputs.exemplar.grid().match_size("exemplar", &inputs.features.grid, "features")?;
         let exemplars = [Exemplar::new(inputs.exemplar, job)?];
         let n = self.candidates as usize;
-        let rules = Rules { n_branch: n, n_path: n, n_cut: n, ..Rules::of(self.preset, self.patch as usize) };
+        let rules = Rules { n_branch: n, n_path: n, n_cut: n, ..self.manner.rules(usize::MAX) };
         let mut canvas = Canvas::new(inputs.sketch.grid.size(), job)?;
         if let Some(ground) = inputs.ground {
             inputs.sketch.grid.match_size("sketch", ground.grid(), "ground")?;

@@ -13,13 +13,14 @@ use super::{
     settings::{Preset, Rules},
     tps::Point,
 };
+use crate::PatchSize;
 
 /// Lists the places of an exemplar that patches can be taken from: branch points, ends, and steps along its lines.
 #[derive(Params, Clone, Debug)]
 pub struct Patches {
-    /// Side of a patch.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
+    /// The patches.
+    #[param(flatten)]
+    pub patches: PatchSize,
     /// Each place counts mirrored, too.
     #[param(default = true)]
     pub mirror: bool,
@@ -51,7 +52,7 @@ impl Node for Patches {
     fn run(&self, inputs: PatchesIn<'_>, job: &Job) -> Result<PatchesOut> {
         inputs.exemplar.grid().match_size("exemplar", &inputs.features.grid, "features")?;
         let exemplar = Exemplar::new(inputs.exemplar, job)?;
-        let rules = Rules { mirror: self.mirror, ..Rules::of(Preset::Default, self.patch as usize) };
+        let rules = Rules { mirror: self.mirror, ..Rules::of(Preset::Default, self.patches.side()) };
         let network = Network::new(inputs.features, exemplar.scale);
         let pool = extract(&network, 0, &exemplar.terrain, &exemplar.voids, &rules, job)?;
         if pool.left_out > 0 {

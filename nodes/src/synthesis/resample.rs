@@ -2,15 +2,7 @@
 
 use orograph_core::Heightfield;
 
-/// The Catmull–Rom weights of the four cells around a fraction `t` past the second.
-fn weights(t: f64) -> [f64; 4] {
-    [
-        t * (t * (2.0 - t) - 1.0) / 2.0,
-        (t * t * (3.0 * t - 5.0) + 2.0) / 2.0,
-        t * (t * (4.0 - 3.0 * t) + 1.0) / 2.0,
-        t * t * (t - 1.0) / 2.0,
-    ]
-}
+use crate::transform::sample::catmull_rom;
 
 /// The height at a fractional (row, column); a void outside, and where one of the four cells around is a void.
 ///
@@ -27,7 +19,7 @@ pub fn cubic(terrain: &Heightfield, [row, col]: [f64; 2]) -> f32 {
     let (r, c) = ((row as usize).min(rows - 2), (col as usize).min(cols - 2));
     let (down, across) = (row - r as f64, col - c as f64);
     if r >= 1 && c >= 1 && r + 2 < rows && c + 2 < cols {
-        let (wr, wc) = (weights(down), weights(across));
+        let (wr, wc) = (catmull_rom(down), catmull_rom(across));
         let mut sum = 0.0;
         for (i, wr) in wr.into_iter().enumerate() {
             let cells = &terrain.row(r + i - 1)[c - 1..c + 3];

@@ -1,6 +1,8 @@
 //! What the nodes of this family have in common: presets, order, and the numbers behind the steps.
 
-use orograph_core::prelude::*;
+use orograph_core::{mix64, prelude::*};
+
+use crate::{Chance, PatchSize};
 
 use super::{cut::SeamWeight, poisson::seam::SeamGradient};
 
@@ -13,6 +15,30 @@ pub enum Preset {
     /// Zhou et al. 2007 to the letter: three control points to a path, costs in metres with the published weights, no
     /// lifting, seams without slope.
     PaperStrict,
+}
+
+/// Whose rules are followed, and on what scale.
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
+pub struct Manner {
+    /// Whose rules are followed; the paper's own override lift, seams and repetition where a node has them.
+    #[param(default = Preset::Default)]
+    pub preset: Preset,
+    /// The patches.
+    #[param(flatten)]
+    pub patches: PatchSize,
+}
+
+impl Manner {
+    /// The numbers behind it, for patches no larger than `most` cells.
+    pub(super) fn rules(self, most: usize) -> Rules {
+        Rules::of(self.preset, self.patches.side().min(most))
+    }
+}
+
+/// The seed of a node's choices and the run's, as one. Kept apart from [`Chance::key`]: mixed its way, graphs would make
+/// other terrain than they did.
+pub(super) fn seed_of(chance: Chance, job: &Job) -> u64 {
+    mix64(chance.seed ^ mix64(job.seed()))
 }
 
 /// The order in which patches are placed.

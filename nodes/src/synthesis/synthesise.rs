@@ -4,7 +4,6 @@
 //! along the sketch's feature tree, each chosen, warped, cut and blended into what is there; what features leave open is
 //! filled with windows of the exemplar. The departures are told where the steps are.
 
-use orograph_core::mix64;
 use orograph_core::prelude::*;
 use orograph_core::{Placement, Unit};
 
@@ -18,9 +17,10 @@ use super::{
     network::Network,
     patches::extract,
     placing::{Placing, Sources, Style},
-    settings::{Order, Preset, Rules},
+    settings::{Manner, Order, Rules, seed_of},
     ssd::Searcher,
 };
+use crate::Chance;
 
 /// Makes terrain from a sketch of its ridges or valleys and an exemplar whose ground it takes.
 ///
@@ -28,12 +28,9 @@ use super::{
 /// which goes where. Without any line in the sketch the exemplar's ground is continued everywhere.
 #[derive(Params, Clone, Debug)]
 pub struct Synthesise {
-    /// Whose rules are followed; the paper's own override lift, seams and repetition.
-    #[param(default = Preset::Default)]
-    pub preset: Preset,
-    /// Side of a patch. Lines of the sketch should lie further apart than this.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
+    /// Whose rules are followed, and on what scale.
+    #[param(flatten)]
+    pub manner: Manner,
     /// The order in which patches are placed.
     #[param(default = Order::Tree)]
     pub order: Order,
@@ -55,9 +52,9 @@ pub struct Synthesise {
     /// Weight of each earlier use of the same ground.
     #[param(default = 0.25, range = 0.0..=100.0, slider = 0.0..=2.0, unit = "1")]
     pub repetition: f64,
-    /// Seed of the choices that are left to chance; the run's seed counts too.
-    #[param(default = 0u64, range = 0..=4_294_967_295i64, slider = 0..=1000, unit = "seed")]
-    pub seed: u64,
+    /// What is left to chance.
+    #[param(flatten)]
+    pub chance: Chance,
 }
 
 /// Inputs of [`Synthesise`].
@@ -99,8 +96,8 @@ impl Node for Synthesise {
     }
 
     fn run(&self, inputs: SynthesiseIn<'_>, job: &Job) -> Result<SynthesiseOut> {
-        let mut rules = Rules::of(self.preset, self.patch as usize);
-        rules.seed = mix64(self.seed ^ mix64(job.seed()));
+        let mut rules = self.manner.rules(usize::MAX);
+        rules.seed = seed_of(self.chance, job);
         rules.mirror = self.mirror;
         rules.seam_weight = self.seam_weight;
         rules.grow = self.spread as usize;

@@ -28,16 +28,18 @@ fn taps(at: f64, method: Interpolation) -> Taps {
             Taps { first: first + i64::from(t >= 0.5), weights: [1.0, 0.0, 0.0, 0.0], n: 1 }
         }
         Interpolation::Bilinear => Taps { first, weights: [1.0 - t, t, 0.0, 0.0], n: 2 },
-        Interpolation::Cubic => {
-            let weights = [
-                t * (t * (2.0 - t) - 1.0) / 2.0,
-                (t * t * (3.0 * t - 5.0) + 2.0) / 2.0,
-                t * (t * (4.0 - 3.0 * t) + 1.0) / 2.0,
-                t * t * (t - 1.0) / 2.0,
-            ];
-            Taps { first: first - 1, weights, n: 4 }
-        }
+        Interpolation::Cubic => Taps { first: first - 1, weights: catmull_rom(t), n: 4 },
     }
+}
+
+/// The Catmull–Rom weights of the four cells around a fraction `t` past the second.
+pub(crate) fn catmull_rom(t: f64) -> [f64; 4] {
+    [
+        t * (t * (2.0 - t) - 1.0) / 2.0,
+        (t * t * (3.0 * t - 5.0) + 2.0) / 2.0,
+        t * (t * (4.0 - 3.0 * t) + 1.0) / 2.0,
+        t * t * (t - 1.0) / 2.0,
+    ]
 }
 
 /// The height at a fractional (row, column); border cells go on for half a cell, and beyond lies nothing.

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use orograph_core::prelude::*;
 use orograph_nodes::{
+    Chance,
     io::read_dem::ReadDem,
     mcmd::{
         mcmd::{Mcmd, McmdIn},
@@ -45,7 +46,7 @@ fn reconstructs(path: &Path, stated: f64) -> Result<(), String> {
     let terrain = ReadDem { file, ..ReadDem::default() }.run((), &job).map_err(said)?.terrain;
     let mut errors = Vec::new();
     for seed in 1..=3 {
-        let thin = RandomDecimate { keep: KEEP, seed };
+        let thin = RandomDecimate { keep: KEEP, chance: Chance { seed } };
         let constraints = thin.run(RandomDecimateIn { terrain: &terrain }, &job).map_err(said)?.constraints;
         let kept = terrain.grid().len() - constraints.void_count();
         if kept != (KEEP * terrain.grid().len() as f64 - 1e-9).ceil() as usize {

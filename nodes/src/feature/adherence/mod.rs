@@ -23,6 +23,7 @@ use super::{
     profiles::normal,
     settings::{Shaping, Steps},
 };
+use crate::PatchSize;
 
 /// Measures how well the ridges or valleys of a terrain follow drawn ones.
 #[derive(Params, Clone, Debug)]
@@ -33,9 +34,9 @@ pub struct Adherence {
     /// Distance on both sides at which the ground is compared with that on the drawn line.
     #[param(default = 5, range = 1.0..=256.0, slider = 1.0..=20.0, unit = "cells")]
     pub flank: f64,
-    /// Size of the patches that the terrain was made of; the curve goes up to a quarter of it.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
+    /// The patches that the terrain was made of; the curve goes up to a quarter of one.
+    #[param(flatten)]
+    pub patches: PatchSize,
 }
 
 /// Inputs of [`Adherence`].
@@ -78,8 +79,8 @@ impl Node for Adherence {
         let found = match found {
             Some(found) => found,
             None => {
-                let steps = Steps::for_patch(drawn.kind, self.patch as usize);
-                let shaping = Shaping::for_patch(self.patch as usize, steps.reduction.parallel_radius);
+                let steps = Steps::for_patch(drawn.kind, self.patches.side());
+                let shaping = Shaping::for_patch(self.patches.side(), steps.reduction.parallel_radius);
                 own = find(terrain, &steps, &shaping, job)?.features;
                 &own
             }
@@ -155,7 +156,7 @@ impl Measured {
             standing.push(standing_share(&all, terrain, drawn.kind, settings.flank, moved));
         }
         let own = standing_share(&all, terrain, drawn.kind, settings.flank, |at| at);
-        let merge = f64::from(settings.patch) / 8.0;
+        let merge = f64::from(settings.patches.patch) / 8.0;
         let every: Vec<usize> = (0..drawn.lines.len()).collect();
         Ok(Self {
             settings: settings.clone(),
@@ -246,7 +247,7 @@ impl Measured {
     }
 
     fn curve(&self) -> Result<Table> {
-        let reaches: Vec<f64> = (1..=self.settings.patch / 4).map(f64::from).collect();
+        let reaches: Vec<f64> = (1..=self.settings.patches.patch / 4).map(f64::from).collect();
         let column = |name: &str, unit, of: &dyn Fn(f64) -> f64| Column {
             name: name.into(),
             unit,

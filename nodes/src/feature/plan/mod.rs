@@ -12,6 +12,7 @@ use orograph_core::{Column, Unit, prelude::*};
 
 use self::roots::{components, sorted};
 use super::network::{Arm, Incidence, Network};
+use crate::PatchSize;
 
 /// In which order patches are placed.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -27,9 +28,9 @@ pub enum Order {
 /// Plans the order in which patches of terrain are placed along a network of lines.
 #[derive(Params, Clone, Debug)]
 pub struct Plan {
-    /// Side of a patch.
-    #[param(default = 80u32, range = 16..=512, slider = 40..=160, unit = "cells")]
-    pub patch: u32,
+    /// The patches.
+    #[param(flatten)]
+    pub patches: PatchSize,
     /// In which order patches are placed.
     #[param(default = Order::TreeBfs)]
     pub order: Order,
@@ -58,7 +59,7 @@ impl Node for Plan {
     type Outputs = PlanOut;
 
     fn run(&self, inputs: PlanIn<'_>, job: &Job) -> Result<PlanOut> {
-        let items = plan(inputs.features, f64::from(self.patch), self.order, job)?;
+        let items = plan(inputs.features, f64::from(self.patches.patch), self.order, job)?;
         if items.is_empty() {
             job.warn("there is nothing to place: the features have no lines");
         }

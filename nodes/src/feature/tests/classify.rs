@@ -3,6 +3,7 @@
 use orograph_core::{PointKind, prelude::*};
 
 use super::drawings::{Stroke, drawn, star};
+use crate::PatchSize;
 use crate::feature::{
     branch_reduction::{BranchReduction, BranchReductionIn},
     chains::{distance, resample, smooth},
@@ -11,7 +12,7 @@ use crate::feature::{
     polygon_breaking::{PolygonBreaking, PolygonBreakingIn},
     ppa::{DropBy, Ppa, PpaIn},
     profile_recognition::{ProfileRecognition, ProfileRecognitionIn},
-    settings::{Drop, Kind, Preset, Sided},
+    settings::{Drop, Kind, Preset, Profiles, Sided, WorkingCells},
     target_connection::{TargetConnection, TargetConnectionIn},
 };
 
@@ -28,11 +29,11 @@ fn the_steps_one_by_one_give_what_the_whole_gives() {
     for (terrain, kind) in [(star(5, 0.3), Kind::Ridge), (oblong(), Kind::Ridge), (oblong(), Kind::Valley)] {
         for working_cell in [1, 3] {
             let drop = 0.01;
-            let recognition =
-                ProfileRecognition { kind, working_cell, drop, ..ProfileRecognition::default() };
+            let cells = WorkingCells { kind, working_cell };
+            let recognition = ProfileRecognition { cells, drop, ..ProfileRecognition::default() };
             let candidates =
                 recognition.run(ProfileRecognitionIn { terrain: &terrain }, &job).unwrap().candidates;
-            let connection = TargetConnection { kind, working_cell, ..TargetConnection::default() };
+            let connection = TargetConnection { cells, ..TargetConnection::default() };
             let connected = TargetConnectionIn { terrain: &terrain, candidates: &candidates };
             let segments = connection.run(connected, &job).unwrap().segments;
             let breaking = PolygonBreaking::default();
@@ -57,9 +58,10 @@ fn steps_in_the_wrong_order_are_refused() {
     let wrong = PolygonBreaking::default().run(PolygonBreakingIn { segments: &features }, &job);
     assert!(wrong.is_err_and(|error| error.hint().is_some()));
     let terrain = star(4, 0.0);
-    let recognition = ProfileRecognition { working_cell: 1, drop: 0.005, ..ProfileRecognition::default() };
+    let cells = WorkingCells { working_cell: 1, ..WorkingCells::default() };
+    let recognition = ProfileRecognition { cells, drop: 0.005, ..ProfileRecognition::default() };
     let candidates = recognition.run(ProfileRecognitionIn { terrain: &terrain }, &job).unwrap().candidates;
-    let connection = TargetConnection { working_cell: 1, ..TargetConnection::default() };
+    let connection = TargetConnection { cells, ..TargetConnection::default() };
     let connected = TargetConnectionIn { terrain: &terrain, candidates: &candidates };
     let segments = connection.run(connected, &job).unwrap().segments;
     assert!(BranchReduction::default().run(BranchReductionIn { forest: &segments }, &job).is_err());
@@ -67,7 +69,13 @@ fn steps_in_the_wrong_order_are_refused() {
 
 #[test]
 fn the_paper_s_preset_overrides_the_parameters() {
-    let strict = Ppa { preset: Preset::PaperStrict, patch: 160, half_profile: 9, ..Ppa::default() }.steps();
+    let strict = Ppa {
+        preset: Preset::PaperStrict,
+        patches: PatchSize { patch: 160 },
+        across: Profiles { half_profile: 9, ..Profiles::default() },
+        ..Ppa::default()
+    };
+    let strict = strict.steps();
     assert_eq!((strict.working_cell, strict.half_profile, strict.drop), (1, 3, Drop::Share(0.5)));
     assert_eq!((strict.sided, strict.reduction.parallel_radius), (Sided::AnyPath, 0.0));
     assert!(!strict.reduction.regrow);
@@ -75,7 +83,7 @@ fn the_paper_s_preset_overrides_the_parameters() {
     assert_eq!((plug_in.working_cell, plug_in.drop), (5, Drop::Share(0.05)));
     // Working cells of a sixteenth of a patch.
     for (patch, cells) in [(16, 1), (40, 3), (80, 5), (120, 8)] {
-        assert_eq!(Ppa { patch, ..Ppa::default() }.steps().working_cell, cells);
+        assert_eq!(Ppa { patches: PatchSize { patch }, ..Ppa::default() }.steps().working_cell, cells);
     }
     // Any slope steep enough counts, so the paper's letter finds lines on a pyramid's faces too.
     let out = Ppa { preset: Preset::PaperStrict, ..Ppa::default() };

@@ -12,7 +12,7 @@ use crate::{
         lattice::{Blocks, Lattice},
         polygon_breaking::spanning_forest,
         ppa::{Found, Raw, find, forest},
-        settings::{Drop, Importance, LADDER, Reduction, Shaping, Sided, Steps},
+        settings::{Drop, Importance, Joining, LADDER, Reduction, Shaping, Sided, Steps},
         target_connection::{Segment, connect},
     },
     test_fields::field,
@@ -85,7 +85,8 @@ fn stars_come_out_with_one_branch_point_of_their_degree() {
             let terrain = star(arms, turn);
             for drop in [0.005, 0.01] {
                 for merge_radius in [3.0, 8.0] {
-                    let shaping = Shaping { merge_radius, smooth_passes: 0, ..Shaping::default() };
+                    let joining = Joining { merge_radius, smooth_passes: 0 };
+                    let shaping = Shaping { joining, ..Shaping::default() };
                     let features = found(&terrain, &steps(drop), &shaping).features;
                     let case = format!("{arms} arms turned by {turn}, drop {drop}, merged at {merge_radius}");
                     let branches = of_kind(&features, PointKind::Branch);

@@ -9,7 +9,7 @@ use crate::feature::{
     lattice::Blocks,
     medial,
     ppa::Ppa,
-    settings::Kind,
+    settings::{Joining, Kind, Profiles, Reduction},
     sketch::{Sketch, SketchIn, Strokes, prepare},
 };
 
@@ -93,12 +93,15 @@ fn the_two_nodes_do_what_the_one_does() {
         let ppa = Ppa {
             kind,
             working_cell: value("working_cell") as u32,
-            half_profile: value("half_profile") as u32,
+            across: Profiles { half_profile: value("half_profile") as u32, ..Profiles::default() },
             drop_by: crate::feature::ppa::DropBy::Share,
             drop: value("drop"),
-            min_branch: value("min_branch") as u32,
-            parallel_radius: value("parallel_radius"),
-            merge_radius: value("merge_radius"),
+            reduction: Reduction {
+                min_branch: value("min_branch") as u32,
+                parallel_radius: value("parallel_radius"),
+                ..Reduction::default()
+            },
+            joining: Joining { merge_radius: value("merge_radius"), ..Joining::default() },
             profiles: false,
             ..Ppa::default()
         };

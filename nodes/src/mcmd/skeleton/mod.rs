@@ -10,13 +10,12 @@ mod rivers;
 
 use orograph_core::prelude::*;
 
-use crate::Ground;
 use crate::mcmd::{
     extent::extent,
     mcmd::reconstruct,
-    params::Chance,
     settings::{Known, Scheme, Settings, Shape},
 };
+use crate::{Chance, Ground};
 
 /// Draws a skeleton of ridges and rivers with their heights, from a seed alone.
 ///
