@@ -11,8 +11,7 @@ use orograph_core::prelude::*;
 use rayon::prelude::*;
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
-/// Wave numbers that are eliminated together.
-const BLOCK: usize = 32;
+use super::columns::Columns;
 
 /// The least-squares change `u` for `sum over neighbours q of (u_p - u_q) + hold u_p = b_p`, without flow over the border.
 ///
@@ -34,20 +33,11 @@ pub fn solve(cols: usize, b: &[f64], hold: f64, job: &Job<'_>) -> Result<Vec<f64
     let cosines = Cosines::new(cols);
     let mut waves = vec![0.0; b.len()];
     cosines.forward(b, &mut waves, job)?;
-    let blocks: Vec<Vec<f64>> = (0..cols)
-        .into_par_iter()
-        .step_by(BLOCK)
-        .map(|first| {
-            job.check()?;
-            Ok(eliminate(first..(first + BLOCK).min(cols), rows, cols, hold, &waves))
-        })
-        .collect::<Result<_>>()?;
-    for row in 0..rows {
-        for (out, block) in waves[row * cols..][..cols].chunks_mut(BLOCK).zip(&blocks) {
-            let width = out.len();
-            out.copy_from_slice(&block[row * width..][..width]);
-        }
-    }
+    let across = |k: usize| 2.0 - 2.0 * libm::cos(PI * k as f64 / cols as f64) + hold;
+    // The first and the last row have one neighbour less.
+    let down = |row: usize| f64::from(u8::from(row > 0) + u8::from(row + 1 < rows));
+    let columns = Columns::solve(cols, &waves, across, down, job)?;
+    waves.chunks_mut(cols).enumerate().for_each(|(row, out)| columns.row(row, out));
     let mut out = vec![0.0; b.len()];
     cosines.inverse(&waves, &mut out, job)?;
     Ok(out)
@@ -144,36 +134,6 @@ impl Cosines {
         };
         self.each_pair(&*self.inverse, from, to, work, job)
     }
-}
-
-/// Solves the tridiagonal systems of some wave numbers; row by row, one number each.
-fn eliminate(range: std::ops::Range<usize>, rows: usize, cols: usize, hold: f64, waves: &[f64]) -> Vec<f64> {
-    let width = range.len();
-    let across: Vec<f64> =
-        range.clone().map(|k| 2.0 - 2.0 * libm::cos(PI * k as f64 / cols as f64) + hold).collect();
-    let mut factors = vec![0.0; rows * width];
-    let mut out = vec![0.0; rows * width];
-    let (mut factor, mut value) = (vec![0.0; width], vec![0.0; width]);
-    for row in 0..rows {
-        // The first and the last row have one neighbour less.
-        let down = f64::from(u8::from(row > 0) + u8::from(row + 1 < rows));
-        let waves = &waves[row * cols + range.start..][..width];
-        let (factors, out) = (&mut factors[row * width..][..width], &mut out[row * width..][..width]);
-        for k in 0..width {
-            factor[k] = 1.0 / (across[k] + down - factor[k]);
-            value[k] = (waves[k] + value[k]) * factor[k];
-            (factors[k], out[k]) = (factor[k], value[k]);
-        }
-    }
-    for row in (0..rows.saturating_sub(1)).rev() {
-        let factors = &factors[row * width..][..width];
-        let out = &mut out[row * width..][..width];
-        for k in 0..width {
-            value[k] = out[k] + factors[k] * value[k];
-            out[k] = value[k];
-        }
-    }
-    out
 }
 
 #[cfg(test)]

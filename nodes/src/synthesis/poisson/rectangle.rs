@@ -9,8 +9,7 @@ use orograph_core::prelude::*;
 use rayon::prelude::*;
 use rustfft::{Fft, FftPlanner, num_complex::Complex64};
 
-/// Wave numbers that are eliminated together.
-const BLOCK: usize = 32;
+use super::columns::Columns;
 
 /// The solution of `sum over four neighbours q of (u_p - u_q) = b_p` with u = 0 all around.
 ///
@@ -24,7 +23,6 @@ pub fn solve(cols: usize, b: &[f64], job: &Job<'_>) -> Result<Vec<f64>> {
         return Err(Error::invalid("a right side is no rectangle", "give one number a cell"));
     }
     job.admit(b.len() as u64 * 32, || format!("the equations of {} cells", b.len()))?;
-    let rows = b.len() / cols;
     let period = 2 * (cols + 1);
     let transform = FftPlanner::new().plan_fft_forward(period);
     let mut waves = vec![0.0; b.len()];
@@ -35,22 +33,10 @@ pub fn solve(cols: usize, b: &[f64], job: &Job<'_>) -> Result<Vec<f64>> {
         &mut waves,
         job,
     )?;
-    let blocks: Vec<Vec<f64>> = (0..cols)
-        .into_par_iter()
-        .step_by(BLOCK)
-        .map(|first| {
-            job.check()?;
-            Ok(eliminate(first..(first + BLOCK).min(cols), rows, cols, &waves))
-        })
-        .collect::<Result<_>>()?;
-    let gather = |row: usize, out: &mut [f64]| {
-        for (out, block) in out.chunks_mut(BLOCK).zip(&blocks) {
-            let width = out.len();
-            out.copy_from_slice(&block[row * width..][..width]);
-        }
-    };
+    let across = |k: usize| 4.0 - 2.0 * libm::cos(PI * (k as f64 + 1.0) / (cols as f64 + 1.0));
+    let columns = Columns::solve(cols, &waves, across, |_| 0.0, job)?;
     let mut out = waves;
-    transform_rows(&*transform, cols, gather, &mut out, job)?;
+    transform_rows(&*transform, cols, |row, out| columns.row(row, out), &mut out, job)?;
     // The sine transform is its own inverse up to this.
     let scale = 2.0 / (cols as f64 + 1.0);
     out.par_chunks_mut(1 << 14).for_each(|part| part.iter_mut().for_each(|x| *x *= scale));
@@ -101,34 +87,6 @@ fn transform_rows(
             Ok(())
         },
     )
-}
-
-/// Solves the tridiagonal systems of some wave numbers; row by row, one number each.
-fn eliminate(range: std::ops::Range<usize>, rows: usize, cols: usize, waves: &[f64]) -> Vec<f64> {
-    let width = range.len();
-    let diagonal: Vec<f64> =
-        range.clone().map(|k| 4.0 - 2.0 * libm::cos(PI * (k as f64 + 1.0) / (cols as f64 + 1.0))).collect();
-    let mut factors = vec![0.0; rows * width];
-    let mut out = vec![0.0; rows * width];
-    let (mut factor, mut value) = (vec![0.0; width], vec![0.0; width]);
-    for row in 0..rows {
-        let waves = &waves[row * cols + range.start..][..width];
-        let (factors, out) = (&mut factors[row * width..][..width], &mut out[row * width..][..width]);
-        for k in 0..width {
-            factor[k] = 1.0 / (diagonal[k] - factor[k]);
-            value[k] = (waves[k] + value[k]) * factor[k];
-            (factors[k], out[k]) = (factor[k], value[k]);
-        }
-    }
-    for row in (0..rows.saturating_sub(1)).rev() {
-        let factors = &factors[row * width..][..width];
-        let out = &mut out[row * width..][..width];
-        for k in 0..width {
-            value[k] = out[k] + factors[k] * value[k];
-            out[k] = value[k];
-        }
-    }
-    out
 }
 
 #[cfg(test)]
