@@ -38,12 +38,24 @@ impl Window {
         Self { top, left, rows, cols }
     }
 
+    /// The same, `by` cells larger on each side where there are cells.
+    #[must_use]
+    pub fn grown(&self, by: usize, (rows, cols): (usize, usize)) -> Self {
+        let (top, left) = (self.top.saturating_sub(by), self.left.saturating_sub(by));
+        let (bottom, right) = ((self.top + self.rows + by).min(rows), (self.left + self.cols + by).min(cols));
+        Self { top, left, rows: bottom - top, cols: right - left }
+    }
+
     /// The same, one cell larger on each side where there are cells.
     #[must_use]
-    pub fn framed(&self, (rows, cols): (usize, usize)) -> Self {
-        let (top, left) = (self.top.saturating_sub(1), self.left.saturating_sub(1));
-        let (bottom, right) = ((self.top + self.rows + 1).min(rows), (self.left + self.cols + 1).min(cols));
-        Self { top, left, rows: bottom - top, cols: right - left }
+    pub fn framed(&self, size: (usize, usize)) -> Self {
+        self.grown(1, size)
+    }
+
+    /// Whether a cell of the output lies in it.
+    #[must_use]
+    pub fn holds(&self, (row, col): (usize, usize)) -> bool {
+        (self.top..self.top + self.rows).contains(&row) && (self.left..self.left + self.cols).contains(&col)
     }
 
     /// Number of cells.
@@ -72,6 +84,25 @@ impl Window {
             && self.left < other.left + other.cols
             && other.left < self.left + self.cols
     }
+}
+
+/// Cells within `band` cells, along rows and columns added up, of an open one, open ones included.
+#[must_use]
+pub fn near_open(open: &[bool], cols: usize, band: usize) -> Vec<bool> {
+    let far = u32::MAX / 2;
+    let mut distance: Vec<u32> = open.iter().map(|&open| if open { 0 } else { far }).collect();
+    let n = distance.len();
+    for i in 0..n {
+        let west = if i % cols > 0 { distance[i - 1] } else { far };
+        let north = if i >= cols { distance[i - cols] } else { far };
+        distance[i] = distance[i].min(west.min(north) + 1);
+    }
+    for i in (0..n).rev() {
+        let east = if (i + 1) % cols > 0 { distance[i + 1] } else { far };
+        let south = if i + cols < n { distance[i + cols] } else { far };
+        distance[i] = distance[i].min(east.min(south) + 1);
+    }
+    distance.into_iter().map(|distance| distance as usize <= band).collect()
 }
 
 /// The terrain so far.

@@ -12,7 +12,7 @@ use orograph_core::{Patch, key, unit};
 use rayon::prelude::*;
 
 use super::{
-    canvas::{Canvas, Piece, Sheet, Window},
+    canvas::{Canvas, Piece, Sheet, Window, near_open},
     cut::Seam,
     exemplar::Exemplar,
     matching::Uses,
@@ -91,7 +91,7 @@ pub fn fill(
     let stage = job.stage(places.len() as u64);
     loop {
         job.check()?;
-        let round = round(&places, layout, at_once, canvas.size);
+        let round = round(&places, layout, at_once, |window| window.grown(rules.margin + 1, canvas.size));
         if round.is_empty() {
             break;
         }
@@ -99,9 +99,9 @@ pub fn fill(
         let found: Vec<Option<(Piece, Vec<f64>)>> = round
             .par_iter()
             .map(|&at| {
-                let Place { window, known, .. } = &places[at];
+                let window = &places[at].window;
                 let which = style(ground, window);
-                let piece = if *known == 0 {
+                let piece = if known(ground, &window.grown(rules.margin, ground.size)) == 0 {
                     plant(ground, &sources.exemplars[which], which, window, rules, job)?
                 } else {
                     grow(ground, sources, which, window, layout, uses, rules, job)?
@@ -184,7 +184,12 @@ fn next(places: &[Place], layout: &Layout) -> Option<usize> {
 
 /// The windows to go on with together: the next one, and others not far behind it that share no cell with it or with
 /// each other, so that none needs to know of the rest.
-fn round(places: &[Place], layout: &Layout, at_once: usize, size: (usize, usize)) -> Vec<usize> {
+fn round(
+    places: &[Place],
+    layout: &Layout,
+    at_once: usize,
+    touched: impl Fn(&Window) -> Window,
+) -> Vec<usize> {
     let Some(first) = next(places, layout) else { return Vec::new() };
     let mut round = vec![first];
     let least = places[first].known as f64 * BEHIND;
@@ -194,9 +199,8 @@ fn round(places: &[Place], layout: &Layout, at_once: usize, size: (usize, usize)
         let mut others: Vec<usize> = (0..places.len()).filter(|&i| follows(&places[i])).collect();
         others.sort_by_key(|&i| (Reverse(places[i].known), i));
         for other in others {
-            let window = places[other].window.framed(size);
-            if round.len() < at_once && round.iter().all(|&i| !places[i].window.framed(size).touches(&window))
-            {
+            let window = touched(&places[other].window);
+            if round.len() < at_once && round.iter().all(|&i| !touched(&places[i].window).touches(&window)) {
                 round.push(other);
             }
         }
@@ -244,10 +248,13 @@ fn grow(
     job: &Job<'_>,
 ) -> Result<Option<Piece>> {
     let exemplar = &sources.exemplars[which];
+    let (inner, window) = (window, &window.grown(rules.margin, canvas.size));
     let old = canvas.part(window);
-    let open: Vec<bool> = old.iter().map(|height| height.is_nan()).collect();
+    let open: Vec<bool> =
+        old.iter().enumerate().map(|(i, height)| height.is_nan() && inner.holds(window.cell(i))).collect();
     let band = if rules.strict() { window.len() } else { rules.patch / 3 };
-    let near = near_open(&open, window.cols, band);
+    let mut near = near_open(&open, window.cols, band);
+    near.iter_mut().zip(&old).zip(&open).for_each(|((near, old), open)| *near &= *open || !old.is_nan());
     let compared: Vec<f32> =
         old.iter().zip(&near).map(|(&height, &near)| if near { height } else { f32::NAN }).collect();
     let query = Query {
@@ -337,24 +344,6 @@ fn piece(which: usize, window: &Window, found: &Found, sheet: Sheet, old: Vec<f3
     };
     let sources = (0..sheet.window.len()).map(source).collect();
     Piece { sheet, old, seam, patch, sources }
-}
-
-/// Cells within `band` cells, along rows and columns added up, of an open one, open ones included.
-fn near_open(open: &[bool], cols: usize, band: usize) -> Vec<bool> {
-    let far = u32::MAX / 2;
-    let mut distance: Vec<u32> = open.iter().map(|&open| if open { 0 } else { far }).collect();
-    let n = distance.len();
-    for i in 0..n {
-        let west = if i % cols > 0 { distance[i - 1] } else { far };
-        let north = if i >= cols { distance[i - cols] } else { far };
-        distance[i] = distance[i].min(west.min(north) + 1);
-    }
-    for i in (0..n).rev() {
-        let east = if (i + 1) % cols > 0 { distance[i + 1] } else { far };
-        let south = if i + cols < n { distance[i + cols] } else { far };
-        distance[i] = distance[i].min(east.min(south) + 1);
-    }
-    distance.into_iter().map(|distance| distance as usize <= band).collect()
 }
 
 /// Fills what is still unknown with the smoothest surface, or a plain level when nothing is known. How many cells.

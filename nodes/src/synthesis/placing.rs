@@ -77,7 +77,7 @@ impl Placing<'_> {
         stage.advance((n_planned - waiting.len()) as u64);
         while !waiting.is_empty() {
             job.check()?;
-            let round = round(&waiting, self.canvas.size);
+            let round = round(&waiting, |window| window.grown(rules.margin + 1, self.canvas.size));
             let scene = Scene {
                 canvas: self.canvas,
                 exemplars: sources.exemplars,
@@ -140,11 +140,11 @@ impl Placing<'_> {
 }
 
 /// Which of those that wait are served together: the first, and those that touch none that comes before them.
-fn round(waiting: &VecDeque<(Site, Window)>, size: (usize, usize)) -> Vec<usize> {
+fn round(waiting: &VecDeque<(Site, Window)>, touched: impl Fn(&Window) -> Window) -> Vec<usize> {
     let mut round = Vec::new();
     let mut before: Vec<Window> = Vec::new();
     for (at, (_, window)) in waiting.iter().enumerate().take(AHEAD) {
-        let window = window.framed(size);
+        let window = touched(window);
         if !before.iter().any(|other| other.touches(&window)) {
             round.push(at);
             if round.len() == AT_ONCE {

@@ -77,6 +77,8 @@ pub struct Rules {
     pub seam_gradient: SeamGradient,
     /// Cells beyond the overlap over which a seam is spread.
     pub grow: usize,
+    /// Cells beyond its window that a patch reaches where ground goes on there, so that it never just abuts on it.
+    pub margin: usize,
     /// Whether patches may be mirrored.
     pub mirror: bool,
     /// Weight of each earlier use of a source window.
@@ -104,6 +106,7 @@ impl Rules {
             seam_weight: SeamWeight::Plain,
             seam_gradient: if strict { SeamGradient::Zero } else { SeamGradient::Average },
             grow: 0,
+            margin: if strict { 0 } else { patch / 10 },
             mirror: true,
             repetition: if strict { 0.0 } else { 0.25 },
             max_uses: if strict { usize::MAX } else { 8 },

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{Fit, Scene, base_cost, probes::Probes};
 use crate::synthesis::{
-    canvas::Window,
+    canvas::{Window, near_open},
     cut::Seam,
     network::{Role, Site},
     resample::cubic,
@@ -38,15 +38,14 @@ pub(super) struct Warped {
 
 impl Frame {
     pub(super) fn new(site: &Site, inner: &Window, basis: &Basis, scene: &Scene<'_>) -> Self {
-        let window = inner.framed(scene.canvas.size);
+        let margin = scene.rules.margin;
+        let window = inner.grown(margin + 1, scene.canvas.size);
         let old = scene.canvas.part(&window);
-        let covered = |i: usize| {
-            let (row, col) = window.cell(i);
-            row >= inner.top
-                && col >= inner.left
-                && row < inner.top + inner.rows
-                && col < inner.left + inner.cols
-        };
+        let inside: Vec<bool> = (0..window.len()).map(|i| inner.holds(window.cell(i))).collect();
+        let open: Vec<bool> =
+            old.iter().zip(&inside).map(|(height, inside)| *inside && height.is_nan()).collect();
+        let near = near_open(&open, window.cols, margin);
+        let covered = |i: usize| inside[i] || near[i] && !old[i].is_nan();
         let cells: Vec<usize> = (0..window.len()).filter(|&i| covered(i)).collect();
         let n = basis.n_terms();
         let mut terms = vec![0.0; cells.len() * n];
