@@ -5,6 +5,7 @@
 //! [`fill_windows::fill`] and [`ssd::Searcher`].
 
 pub mod canvas;
+mod crests;
 pub mod cut;
 pub mod exemplar;
 pub mod fill;

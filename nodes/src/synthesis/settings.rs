@@ -71,6 +71,8 @@ pub struct Rules {
     pub merge: Option<f64>,
     /// Most that a patch is lifted, as a share of the exemplar's height range; `None` for no lifting.
     pub lift: Option<f64>,
+    /// What drawn lines stand out by at least, as a share of what the exemplar's usually do; 0 for whatever they do.
+    pub crest: f64,
     /// How seams are weighed.
     pub seam_weight: SeamWeight,
     /// What step is wanted across a seam.
@@ -103,6 +105,7 @@ impl Rules {
             n_cut: if strict { usize::MAX } else { 3 },
             merge: (!strict).then_some(2.0 * patch as f64),
             lift: (!strict).then_some(0.1),
+            crest: if strict { 0.0 } else { 0.6 },
             seam_weight: SeamWeight::Plain,
             seam_gradient: if strict { SeamGradient::Zero } else { SeamGradient::Average },
             grow: 0,

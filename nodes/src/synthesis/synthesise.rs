@@ -9,6 +9,7 @@ use orograph_core::{Placement, Unit};
 
 use super::{
     canvas::{Canvas, Window},
+    crests::{self, Raised},
     cut::SeamWeight,
     exemplar::Exemplar,
     fill_windows::{self, Counts, Layout},
@@ -40,6 +41,10 @@ pub struct Synthesise {
     /// Most that a patch is raised or lowered to meet the ground around it, as a share of the exemplar's height range.
     #[param(default = 0.1, range = 0.0..=10.0, slider = 0.0..=1.0, unit = "1")]
     pub lift: f64,
+    /// What drawn lines stand out by from both sides at least, as a share of what lines of the exemplar usually do. Where
+    /// patches do not, the ground is raised, or lowered along valleys; 0 leaves it.
+    #[param(default = 0.6, range = 0.0..=4.0, slider = 0.0..=1.5, unit = "1")]
+    pub crest: f64,
     /// How the mismatch along a seam is weighed.
     #[param(default = SeamWeight::Plain)]
     pub seam_weight: SeamWeight,
@@ -104,6 +109,7 @@ impl Node for Synthesise {
         if !rules.strict() {
             rules.n_path = self.candidates as usize;
             rules.lift = Some(self.lift);
+            rules.crest = self.crest;
             rules.repetition = self.repetition;
         }
         let (terrain, placement, counts) = synthesise(&inputs, &rules, self.order, job)?;
@@ -127,6 +133,8 @@ pub struct Report {
     pub seam: f64,
     /// What was filled.
     pub fill: Counts,
+    /// What was raised so that lines stand out.
+    pub raised: Raised,
 }
 
 impl Report {
@@ -142,6 +150,8 @@ impl Report {
             ("seam_mismatch", Unit::Metre, self.seam),
             ("fill_windows", Unit::One, n(self.fill.pasted)),
             ("smoothed_cells", Unit::Cell, n(self.fill.smoothed)),
+            ("raised_cells", Unit::Cell, n(self.raised.cells)),
+            ("most_raised", Unit::Metre, self.raised.most),
         ])
     }
 }
@@ -215,6 +225,23 @@ pub fn synthesise(
     if let Some(reach) = rules.merge {
         merge(&mut canvas, reach, job)?;
     }
+    if rules.crest > 0.0 && order != Order::Raster {
+        for sketch in &inputs.sketches {
+            let style = |[row, col]: [f64; 2]| {
+                let at = (row as usize).min(size.0 - 1) * size.1 + (col as usize).min(size.1 - 1);
+                inputs.styles.map_or(0, |labels| label(labels.cells()[at], exemplars.len()))
+            };
+            let wanted = |at| {
+                let style = &styles[style(at)];
+                let own = style.networks.iter().position(|network| network.kind == sketch.kind);
+                own.map_or(0.0, |own| rules.crest * style.pools[own].prominence)
+            };
+            let raised =
+                crests::raise(&mut canvas, &Network::new(sketch, [1.0; 2]), wanted, rules.patch, job)?;
+            report.raised.cells += raised.cells;
+            report.raised.most = report.raised.most.max(raised.most);
+        }
+    }
     let (terrain, placement) = canvas.finish(grid, &exemplars)?;
     Ok((terrain, placement, report))
 }
@@ -266,14 +293,18 @@ fn main_style(canvas: &Canvas, window: &Window, labels: &Heightfield, n: usize) 
     let mut counts = vec![0_usize; n];
     for i in 0..window.len() {
         let at = canvas.index(window, i);
-        let label = labels.cells()[at];
-        if canvas.heights[at].is_nan() && label >= 0.0 {
-            let style = (label + 0.5) as usize;
-            counts[style.min(n - 1)] += 1;
+        let number = labels.cells()[at];
+        if canvas.heights[at].is_nan() && number >= 0.0 {
+            counts[label(number, n)] += 1;
         }
     }
     let most = counts.iter().copied().max().unwrap_or(0);
     counts.iter().position(|&count| count == most).unwrap_or(0)
+}
+
+/// The style that a cell of the label map names; the last for numbers beyond, the first for none.
+fn label(number: f32, n: usize) -> usize {
+    ((number + 0.5).max(0.0) as usize).min(n - 1)
 }
 
 /// Networks and pools of each exemplar. A network belongs to the first exemplar of its grid that has none of its kind.

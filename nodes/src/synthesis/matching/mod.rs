@@ -14,6 +14,7 @@ mod uses;
 use orograph_core::{FeatureKind, Job, Patch, Result};
 use rayon::prelude::*;
 
+pub(super) use probes::height_at;
 pub use uses::Uses;
 
 use super::{

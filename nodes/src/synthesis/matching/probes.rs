@@ -126,7 +126,7 @@ impl Probes {
 }
 
 /// The canvas's height at a fractional place, bilinear; NaN where a cell around is unknown.
-pub(super) fn height_at(canvas: &Canvas, [row, col]: Point) -> f32 {
+pub(in crate::synthesis) fn height_at(canvas: &Canvas, [row, col]: Point) -> f32 {
     let (rows, cols) = canvas.size;
     if !(row >= 0.0 && col >= 0.0 && row <= rows as f64 - 1.0 && col <= cols as f64 - 1.0)
         || rows < 2
