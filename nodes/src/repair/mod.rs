@@ -4,6 +4,7 @@
 //! [`fill_depressions::fill`].
 
 pub mod breach_depressions;
+pub mod enforce_valleys;
 pub mod fill_depressions;
 pub mod harmonic_fill;
 pub mod lakes;
@@ -16,6 +17,7 @@ use orograph_core::NodeType;
 pub(crate) fn nodes() -> Vec<NodeType> {
     vec![
         NodeType::of::<breach_depressions::BreachDepressions>(),
+        NodeType::of::<enforce_valleys::EnforceValleys>(),
         NodeType::of::<fill_depressions::FillDepressions>(),
         NodeType::of::<harmonic_fill::HarmonicFill>(),
     ]
