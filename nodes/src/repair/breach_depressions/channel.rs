@@ -12,7 +12,8 @@ pub(super) struct Search {
     cols: usize,
     cell: CellSize,
     far: [f64; 8],
-    max_depth: f64,
+    /// Deepest cut allowed, in metres.
+    pub(super) max_depth: f64,
     max_length: f64,
     /// Metres cut and metres gone to each cell.
     costs: Vec<[f64; 2]>,
@@ -123,17 +124,21 @@ impl Search {
     }
 }
 
-/// Lowers the cells of a channel so that it falls evenly from its bottom to its end.
-pub(super) fn cut(heights: &mut [f32], channel: &[usize]) {
+/// Lowers the cells of a channel so that it falls evenly from its bottom to its end, or less where that would cut deeper
+/// than `max_depth` metres, and nowhere rises.
+pub(super) fn cut(heights: &mut [f32], channel: &[usize], max_depth: f64) {
     let (Some(&start), Some(&end)) = (channel.first(), channel.last()) else { return };
     let bottom = heights[start];
     // Ground as level as the bottom needs no channel.
     let level = channel.iter().take_while(|&&cell| heights[cell] == bottom).count();
     let rest = &channel[level.min(channel.len() - 1)..];
     let fall = f64::from(bottom) - f64::from(heights[end].min(bottom));
-    for (i, &cell) in rest.iter().enumerate() {
+    // Backwards, as what may not be cut keeps up all that lies above it.
+    let mut least = f64::NEG_INFINITY;
+    for (i, &cell) in rest.iter().enumerate().rev() {
         let share = (i + 1) as f64 / rest.len() as f64;
-        heights[cell] = heights[cell].min((f64::from(bottom) - fall * share) as f32);
+        least = least.max(f64::from(heights[cell]) - max_depth);
+        heights[cell] = heights[cell].min((f64::from(bottom) - fall * share).max(least) as f32);
     }
 }
 
@@ -205,7 +210,13 @@ mod tests {
                             })
                     );
                     let mut after = heights.to_vec();
-                    cut(&mut after, &way);
+                    cut(&mut after, &way, limit);
+                    assert!(
+                        heights
+                            .iter()
+                            .zip(&after)
+                            .all(|(old, new)| old.is_nan() || f64::from(old - new) <= limit)
+                    );
                     assert!(way.windows(2).all(|pair| after[pair[0]] >= after[pair[1]]));
                 }
             }

@@ -3,8 +3,9 @@
 //! Lindsay, J. B. (2016), "Efficient hybrid breaching-filling sink removal methods for flow path enforcement in digital
 //! elevation models", Hydrological Processes 30 (6): the channel is the one that cuts least, found by Dijkstra's
 //! algorithm with the depth of cut as the cost of each cell. Depressions are taken from the lowest up, so that a higher
-//! one can use the channels of those below. A channel only lowers ground, never below its own end, and so makes no new
-//! depression. What would take too deep or too long a channel is left for `repair.fill_depressions`.
+//! one can use the channels of those below. A channel falls evenly where the limit of depth allows, else less. It only
+//! lowers ground, never below its own end, and so makes no new depression. What would take too deep or too long a
+//! channel is left for `repair.fill_depressions`.
 
 mod channel;
 
@@ -96,7 +97,7 @@ pub fn breach(
         // A channel may have drained this one already.
         if out.cells()[bottom] == terrain.cells()[bottom] {
             match search.channel(out.cells(), &ground, bottom, job)? {
-                Some(channel) => channel::cut(out.cells_mut(), &channel),
+                Some(channel) => channel::cut(out.cells_mut(), &channel, search.max_depth),
                 None => left += 1,
             }
         }

@@ -1,11 +1,14 @@
-//! Valleys as trees of cells, each rooted at its outlet.
+//! Valleys as trees of cells, each rooted at its outlet: a priority-flood along the lines.
 
-use std::collections::{BTreeMap, BTreeSet, VecDeque};
+use std::{
+    cmp::Reverse,
+    collections::{BTreeMap, BTreeSet, BinaryHeap},
+};
 
 use orograph_core::prelude::*;
 
 use super::isotonic::ROOT;
-use crate::mcmd::raster_line::line;
+use crate::{mcmd::raster_line::line, measure::drainage::flood::rank};
 
 /// Cells of valleys, and what each flows into.
 #[derive(Debug, Default)]
@@ -21,8 +24,8 @@ pub(super) struct Trees {
 }
 
 impl Trees {
-    /// The cells under the lines of `valleys`, without those that `is_ground` denies. The outlet of each connected
-    /// part is its lowest cell that `is_outlet`; if there is none, the lowest end of a line; else the lowest cell.
+    /// The cells under the lines of `valleys`, without those that `is_ground` denies. Where a connected part comes to
+    /// cells that `is_outlet`, or a line ends beside the border, each of these is one; else its lowest end of a line is, else its lowest cell.
     pub(super) fn new(
         valleys: &Features,
         heights: &[f32],
@@ -46,45 +49,55 @@ impl Trees {
                 part.extend(near[&cell].iter().copied().filter(|&other| seen.insert(other)));
                 at += 1;
             }
-            let rank = |&cell: &usize| {
-                let end = near[&cell].len() < 2;
-                (u8::from(!is_outlet(cell)) * (2 - u8::from(end)), cell)
-            };
-            let lower = |a: &usize, b: &usize| {
-                let ((rank_a, a), (rank_b, b)) = (rank(a), rank(b));
-                rank_a.cmp(&rank_b).then(heights[a].total_cmp(&heights[b])).then(a.cmp(&b))
-            };
-            if let Some(&outlet) = part.iter().min_by(|a, b| lower(a, b)) {
-                trees.add(outlet, &near, valleys.grid.cell, valleys.grid.cols);
+            let leaves = |cell: &usize| is_outlet(*cell) || near[cell].len() < 2 && at_border(valleys, *cell);
+            let mut outlets: Vec<usize> = part.iter().copied().filter(leaves).collect();
+            if outlets.is_empty() {
+                let order = |&cell: &usize| (near[&cell].len() > 1, rank(heights[cell], cell));
+                outlets.extend(part.iter().copied().min_by_key(order));
             }
+            trees.add(&outlets, &near, heights, &valleys.grid);
         }
         Ok(trees)
     }
 
-    /// Adds all that flows to `outlet`, by the way of the fewest cells.
-    fn add(&mut self, outlet: usize, near: &Neighbours, cell: CellSize, cols: usize) {
-        let mut entries = BTreeMap::from([(outlet, self.cells.len())]);
-        let mut open = VecDeque::from([outlet]);
-        self.cells.push(outlet);
-        self.parents.push(ROOT);
-        self.lengths.push(0.0);
-        self.outlets += 1;
-        while let Some(from) = open.pop_front() {
-            let entry = entries[&from];
+    /// Adds all that flows to some outlets, by the ways that climb least: where two of them meet is a divide.
+    fn add(&mut self, outlets: &[usize], near: &Neighbours, heights: &[f32], grid: &Grid) {
+        let mut entries = BTreeMap::new();
+        let mut open = BinaryHeap::new();
+        self.outlets += outlets.len();
+        for &outlet in outlets {
+            open.push(Reverse((rank(heights[outlet], outlet), outlet)));
+            self.enter(outlet, ROOT, 0.0, &mut entries);
+        }
+        while let Some(Reverse((level, from))) = open.pop() {
+            let entry: u32 = entries[&from];
             for &to in &near[&from] {
                 if entries.contains_key(&to) {
                     continue;
                 }
-                let down = (from / cols).abs_diff(to / cols) as f64 * cell.y;
-                let right = (from % cols).abs_diff(to % cols) as f64 * cell.x;
-                entries.insert(to, self.cells.len());
-                self.cells.push(to);
-                self.parents.push(entry as u32);
-                self.lengths.push(self.lengths[entry] + (down * down + right * right).sqrt());
-                open.push_back(to);
+                let down = (from / grid.cols).abs_diff(to / grid.cols) as f64 * grid.cell.y;
+                let right = (from % grid.cols).abs_diff(to % grid.cols) as f64 * grid.cell.x;
+                let length = self.lengths[entry as usize] + (down * down + right * right).sqrt();
+                self.enter(to, entry, length, &mut entries);
+                open.push(Reverse((level.max(rank(heights[to], to)), to)));
             }
         }
     }
+
+    fn enter(&mut self, cell: usize, parent: u32, length: f64, entries: &mut BTreeMap<usize, u32>) {
+        entries.insert(cell, self.cells.len() as u32);
+        self.cells.push(cell);
+        self.parents.push(parent);
+        self.lengths.push(length);
+    }
+}
+
+/// Whether a cell lies no further from the border than lines found on coarser cells may end.
+fn at_border(valleys: &Features, cell: usize) -> bool {
+    let (rows, cols) = valleys.grid.size();
+    let (row, col) = (cell / cols, cell % cols);
+    let margin = (2.0 * valleys.scale).ceil().max(0.0) as usize + 2;
+    row.min(rows - 1 - row).min(col).min(cols - 1 - col) <= margin
 }
 
 type Neighbours = BTreeMap<usize, BTreeSet<usize>>;
