@@ -4,7 +4,7 @@
 //! Computer Graphics Forum 41 (2)) the terrain's steps `g` are kept as well as wanted heights `z` allow: least
 //! `sum over edges of (f_q - f_p - g)² + weight · sum over constraints of (f - z)²`. With `f = terrain + u` that is an
 //! equation for the change `u` alone, harmonic off the constraints, so no pit or summit is invented: the membrane. As
-//! a membrane pulled at one point is a spike, the default is a change without kinks, a [sum of bells](bells).
+//! a membrane pulled at one point is a spike, the default is a change without kinks, a sum of bells.
 
 mod bells;
 mod membrane;

@@ -1,8 +1,8 @@
 //! Enforce valleys: heights along drawn or found valleys are made to fall to the outlet, and the ground follows.
 //!
-//! Each connected part of the network is cut into trees of cells, each rooted at an outlet. [Isotonic regression](isotonic) gives the
-//! nearest heights that never rise on the way there, and these are constraints of
-//! [`elevation_constraints`](crate::adjust::elevation_constraints): slopes beside the valley keep their forms.
+//! Each connected part of the network is cut into trees of cells, each rooted at an outlet. Isotonic regression gives the
+//! nearest heights that never rise on the way there, and these are constraints of [`elevation_constraints`]: slopes
+//! beside the valley keep their forms.
 
 mod isotonic;
 mod tree;

@@ -96,7 +96,7 @@ impl Trees {
 fn at_border(valleys: &Features, cell: usize) -> bool {
     let (rows, cols) = valleys.grid.size();
     let (row, col) = (cell / cols, cell % cols);
-    let margin = (2.0 * valleys.scale).ceil().max(0.0) as usize + 2;
+    let margin = ((2.0 * valleys.scale).ceil() as usize).saturating_add(2);
     row.min(rows - 1 - row).min(col).min(cols - 1 - col) <= margin
 }
 
