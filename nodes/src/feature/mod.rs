@@ -29,6 +29,7 @@ pub mod sketch;
 pub mod target_connection;
 #[cfg(test)]
 mod tests;
+pub mod to_constraints;
 
 use orograph_core::NodeType;
 
@@ -46,5 +47,6 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<profile_recognition::ProfileRecognition>(),
         NodeType::of::<sketch::Sketch>(),
         NodeType::of::<target_connection::TargetConnection>(),
+        NodeType::of::<to_constraints::ToConstraints>(),
     ]
 }

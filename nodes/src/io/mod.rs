@@ -15,6 +15,7 @@ pub mod read_dem;
 pub mod read_exr;
 pub mod read_mask;
 pub mod read_png;
+pub mod read_points;
 pub mod read_raw;
 pub mod read_texture;
 #[cfg(test)]
@@ -38,6 +39,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<read_exr::ReadExr>(),
         NodeType::of::<read_mask::ReadMask>(),
         NodeType::of::<read_png::ReadPng>(),
+        NodeType::of::<read_points::ReadPoints>(),
         NodeType::of::<read_raw::ReadRaw>(),
         NodeType::of::<read_texture::ReadTexture>(),
         NodeType::of::<write_ascii::WriteAscii>(),

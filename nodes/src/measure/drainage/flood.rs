@@ -12,10 +12,10 @@ use std::{
 use orograph_core::prelude::*;
 
 /// Steps of row and column to the eight neighbours; the one across is four further on.
-pub(super) const NEIGHBOURS: [(isize, isize); 8] =
+pub(crate) const NEIGHBOURS: [(isize, isize); 8] =
     [(-1, -1), (-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1)];
 /// The direction of a cell from which water leaves the terrain.
-pub(super) const OUT: u8 = 8;
+pub(crate) const OUT: u8 = 8;
 /// The direction of a void.
 pub(super) const VOID: u8 = 9;
 
@@ -27,16 +27,22 @@ pub struct Flood {
     /// Known cells in the order in which the flood reached them: never from higher to lower filled ground.
     pub(super) order: Vec<u32>,
     /// For each cell, which neighbour the flood came from.
-    pub(super) came_from: Vec<u8>,
+    pub(crate) came_from: Vec<u8>,
 }
 
 /// The cell a step away; `None` outside.
 #[inline]
-pub(super) fn beside((rows, cols): (usize, usize), cell: usize, direction: usize) -> Option<usize> {
+pub(crate) fn beside((rows, cols): (usize, usize), cell: usize, direction: usize) -> Option<usize> {
     let (down, right) = NEIGHBOURS[direction];
     let row = (cell / cols).checked_add_signed(down).filter(|&row| row < rows)?;
     let col = (cell % cols).checked_add_signed(right).filter(|&col| col < cols)?;
     Some(row * cols + col)
+}
+
+/// Whether water leaves the terrain from a cell: it lies at the border or beside a void.
+pub(crate) fn leaves(terrain: &Heightfield, cell: usize) -> bool {
+    let known = |other: usize| terrain.cells()[other].is_finite();
+    (0..8).any(|direction| beside(terrain.grid().size(), cell, direction).is_none_or(|other| !known(other)))
 }
 
 /// Floods a terrain from its border and its voids.
@@ -44,6 +50,14 @@ pub(super) fn beside((rows, cols): (usize, usize), cell: usize, direction: usize
 /// # Errors
 /// [`Error::TooLarge`] when `job` does not admit the memory or cells are too many to count, [`Error::Cancelled`].
 pub fn flood(terrain: &Heightfield, job: &Job) -> Result<Flood> {
+    flood_to(terrain, |_| false, job)
+}
+
+/// [`flood`] where water may also end at the cells that `is_sink`, which stay at their heights.
+///
+/// # Errors
+/// Those of [`flood`].
+pub fn flood_to(terrain: &Heightfield, is_sink: impl Fn(usize) -> bool, job: &Job) -> Result<Flood> {
     let grid = terrain.grid();
     let size = grid.size();
     let count = u32::try_from(grid.len()).map_err(|_| Error::TooLarge {
@@ -66,7 +80,7 @@ pub fn flood(terrain: &Heightfield, job: &Job) -> Result<Flood> {
         }
         if !known(cell) {
             *from = VOID;
-        } else if (0..8).any(|direction| beside(size, cell, direction).is_none_or(|other| !known(other))) {
+        } else if is_sink(cell) || leaves(terrain, cell) {
             *from = OUT;
             heap.push(Reverse(rank(terrain.cells()[cell], cell)));
         }
@@ -107,7 +121,7 @@ pub fn flood(terrain: &Heightfield, job: &Job) -> Result<Flood> {
 }
 
 /// Orders cells by height, then by index.
-fn rank(height: f32, cell: usize) -> u64 {
+pub(crate) fn rank(height: f32, cell: usize) -> u64 {
     // Adding zero makes one number of both zeros; the bits of negative numbers run backwards.
     let bits = (height + 0.0).to_bits();
     let ascending = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };

@@ -34,17 +34,20 @@ pub(super) struct Levels {
 }
 
 impl Levels {
-    pub(super) fn new(rows: usize, cols: usize, cells: &[Cell], weights: [f64; 2]) -> Self {
+    pub(super) fn new(rows: usize, cols: usize, cells: &[Cell], holds: &[f64], weights: [f64; 2]) -> Self {
         let mut framed = vec![Cell::Outside; (rows + 2) * (cols + 2)];
         for (row, cells) in cells.chunks(cols).enumerate() {
             framed[(row + 1) * (cols + 2) + 1..][..cols].copy_from_slice(cells);
         }
-        let mut levels = vec![Level::new(rows, cols, &framed, weights)];
+        // Nearly every domain is held nowhere, and none of it need be stored then.
+        let mut springs = holds.to_vec();
+        let mut levels = vec![Level::new(rows, cols, &framed, &springs, weights)];
         let (mut rows, mut cols) = (rows, cols);
         while rows.min(cols) > COARSEST && framed.contains(&Cell::Free) {
             framed = coarser(rows, cols, &framed);
+            springs = gathered(cols, &springs);
             (rows, cols) = (rows.div_ceil(2), cols.div_ceil(2));
-            levels.push(Level::new(rows, cols, &framed, weights));
+            levels.push(Level::new(rows, cols, &framed, &springs, weights));
         }
         Self { levels, weights }
     }
@@ -121,6 +124,16 @@ fn coarser(rows: usize, cols: usize, framed: &[Cell]) -> Vec<Cell> {
     out
 }
 
+/// The holds of coarser cells: all that pulls at their four cells.
+fn gathered(cols: usize, holds: &[f64]) -> Vec<f64> {
+    let coarse_cols = cols.div_ceil(2);
+    let mut out = vec![0.0; holds.len().div_ceil(cols).div_ceil(2) * coarse_cols];
+    for (i, hold) in holds.iter().enumerate() {
+        out[i / cols / 2 * coarse_cols + i % cols / 2] += hold;
+    }
+    out
+}
+
 /// The four neighbours' values along a stretch of a row.
 struct Near<'a> {
     west: &'a [f64],
@@ -147,7 +160,7 @@ impl<'a> Near<'a> {
 }
 
 impl Level {
-    fn new(rows: usize, cols: usize, framed: &[Cell], [across, down]: [f64; 2]) -> Self {
+    fn new(rows: usize, cols: usize, framed: &[Cell], holds: &[f64], [across, down]: [f64; 2]) -> Self {
         let stride = cols + 2;
         let len = (rows + 2) * stride;
         let mut diagonal = vec![0.0; len];
@@ -160,7 +173,8 @@ impl Level {
                 diagonal[i] = flows(i - 1, across)
                     + flows(i + 1, across)
                     + flows(i - stride, down)
-                    + flows(i + stride, down);
+                    + flows(i + stride, down)
+                    + holds.get((row - 1) * cols + i % stride - 1).copied().unwrap_or(0.0);
             }
         }
         let inverse = diagonal.iter().map(|&d| if d > 0.0 { 1.0 / d } else { 0.0 }).collect();
