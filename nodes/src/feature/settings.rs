@@ -202,7 +202,7 @@ pub struct Shaping {
     #[param(flatten)]
     pub joining: Joining,
     /// Ends nearer than this many working cells that face each other close a ring.
-    #[param(default = 3, range = 0.0..=64.0, slider = 0.0..=12.0, unit = "1")]
+    #[param(default = 4, range = 0.0..=64.0, slider = 0.0..=12.0, unit = "1")]
     pub ring_gap: f64,
     /// Length of line that tells where an end points.
     #[param(default = 10, range = 1.0..=512.0, slider = 1.0..=40.0, unit = "cells")]
@@ -224,6 +224,7 @@ impl Shaping {
     /// For patches of `patch` cells and the parallel radius of the reduction.
     #[must_use]
     pub fn for_patch(patch: usize, parallel_radius: f64) -> Self {
-        Self { ring_gap: parallel_radius.max(2.5), heading: patch as f64 / 8.0, ..Self::default() }
+        // Where branch reduction would take a gap's stub off, a little more than that lies between the ends.
+        Self { ring_gap: (parallel_radius + 1.0).max(2.5), heading: patch as f64 / 8.0, ..Self::default() }
     }
 }

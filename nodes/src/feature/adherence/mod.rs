@@ -9,7 +9,7 @@
 mod copies;
 mod strongest;
 
-use orograph_core::{Column, Unit, prelude::*};
+use orograph_core::{Column, Polyline, Unit, prelude::*};
 
 use self::{
     copies::{Copy, standing_share},
@@ -102,6 +102,8 @@ pub struct Measured {
     settings: Adherence,
     /// For each drawn line the distances of its samples, a cell apart, to the lines found.
     drawn: Vec<Vec<f64>>,
+    /// Whether each drawn line is a ring, so that a run may pass its ends.
+    closed: Vec<bool>,
     /// Lengths of the drawn lines in cells.
     lengths: Vec<f64>,
     /// Distances of the samples of the strongest lines found to the drawn ones.
@@ -145,7 +147,15 @@ impl Measured {
             lines.flat_map(|line| resample(&found.lines[line].vertices, 1.0)).collect()
         };
         job.check()?;
-        let to_found = Nearest::new(places(&mut (0..found.lines.len())), rows, cols);
+        let mut all_found = places(&mut (0..found.lines.len()));
+        // What makes a network a tree opens its rings; there a ring goes on all the same.
+        all_found.extend(
+            found
+                .rings
+                .iter()
+                .flat_map(|ends| resample(&ends.map(|end| found_network.place(end as usize)), 1.0)),
+        );
+        let to_found = Nearest::new(all_found, rows, cols);
         let to_drawn = Nearest::new(all.iter().map(|sample| sample.0).collect(), rows, cols);
         let mut copies = Vec::new();
         let mut standing = Vec::new();
@@ -164,6 +174,7 @@ impl Measured {
                 .iter()
                 .map(|line| line.iter().map(|sample| to_found.distance(sample.0)).collect())
                 .collect(),
+            closed: drawn.lines.iter().map(|line| is_closed(drawn, line)).collect(),
             lengths,
             strongest: places(&mut chosen.iter().copied()).iter().map(|&at| to_drawn.distance(at)).collect(),
             copies,
@@ -196,18 +207,20 @@ impl Measured {
         self.standing.0
     }
 
-    /// For each drawn line the share of it that its longest stretch within `reach` covers.
+    /// For each drawn line the share of it that its longest stretch within `reach` covers; around a ring a stretch passes
+    /// the place where the line happens to begin.
     #[must_use]
     pub fn runs(&self, reach: f64) -> Vec<f64> {
-        let run = |line: &Vec<f64>| {
+        let run = |(line, &closed): (&Vec<f64>, &bool)| {
+            let rounds = if closed { 2 } else { 1 };
             let (mut longest, mut now) = (0_usize, 0_usize);
-            for &off in line {
+            for &off in std::iter::repeat_n(line, rounds).flatten() {
                 now = if off <= reach { now + 1 } else { 0 };
                 longest = longest.max(now);
             }
-            longest as f64 / line.len() as f64
+            longest.min(line.len()) as f64 / line.len() as f64
         };
-        self.drawn.iter().map(run).collect()
+        self.drawn.iter().zip(&self.closed).map(run).collect()
     }
 
     fn report(&self) -> Result<Table> {
@@ -276,6 +289,13 @@ impl Measured {
             column("longest_run", Unit::One, self.runs(reach)),
         ])
     }
+}
+
+/// Whether a line ends where it begins, or was opened there.
+fn is_closed(features: &Features, line: &Polyline) -> bool {
+    let ends = [line.from, line.to];
+    let opened = |ring: &[u32; 2]| *ring == ends || *ring == [ends[1], ends[0]];
+    ends[0] == ends[1] || features.rings.iter().any(opened)
 }
 
 fn lengths(network: &Network<'_>) -> Vec<f64> {

@@ -111,3 +111,24 @@ fn nothing_drawn_and_nothing_found_are_said_in_words() {
     let out = run(&drawn, &ridge(), Some(&none));
     assert_eq!((metric(&out, "recall"), metric(&out, "f1")), (0.0, 0.0));
 }
+
+#[test]
+fn around_a_ring_a_run_passes_the_place_where_it_was_opened() {
+    let corners = [[40.0, 40.0], [40.0, 140.0], [140.0, 140.0], [140.0, 40.0]];
+    let mut drawn = lines(&[[corners[0], [41.0, 40.0]]]);
+    drawn.lines[0].vertices = [&corners[..], &[[41.0, 40.0]]].concat();
+    // All but the second side.
+    let found = lines(&[[corners[2], corners[3]], [corners[3], corners[0]], [corners[0], corners[1]]]);
+    let run = |drawn: &Features, found: &Features| {
+        Measured::new(drawn, found, &ridge(), &Adherence::default(), &Job::detached()).unwrap().runs(5.0)[0]
+    };
+    let open = run(&drawn, &found);
+    assert!((open - 204.0 / 400.0).abs() < 0.01, "{open}");
+    drawn.rings = vec![[0, 1]];
+    let closed = run(&drawn, &found);
+    assert!((closed - 310.0 / 400.0).abs() < 0.01, "{closed}");
+    // Ends that the search knows to belong together leave no gap.
+    let mut whole = found.clone();
+    whole.rings = vec![[0, 5]];
+    assert_eq!(run(&drawn, &whole), 1.0);
+}
