@@ -147,7 +147,8 @@ impl Run {
             line.phase = Phase::Running;
             let (action, forced) = (line.action, line.forced);
             let (Some(records), Some(action)) = (self.records(&state, node), action) else {
-                Scheduler::new(self, &mut state).retry(node, Phase::Records);
+                // An input lost its value and is being made again.
+                Scheduler::new(self, &mut state).retry(node, Phase::Values);
                 continue;
             };
             // Under the lock, so that the answer cannot come before the line says that it is awaited.

@@ -276,6 +276,12 @@ impl<'a> Scheduler<'a> {
         if self.failed_by_input(node) {
             return;
         }
+        let run = self.run;
+        if !run.inputs(node).all(|input| self.state.lines[input as usize].record().is_some()) {
+            // One that was done lost its value to someone else and is being made again.
+            self.await_inputs(node, Phase::Records, false);
+            return;
+        }
         let inputs: Option<Vec<Vec<Digest>>> = self
             .run
             .wires(node)
@@ -306,16 +312,17 @@ impl<'a> Scheduler<'a> {
             self.end(node, Phase::Done(record), Outcome::Cutoff(tier));
             return;
         }
-        self.await_values(node);
+        self.await_inputs(node, Phase::Values, true);
     }
 
-    fn await_values(&mut self, node: u32) {
+    /// Lets a node wait in `phase` until its inputs have their digests, and their values too where `value` says so.
+    fn await_inputs(&mut self, node: u32, phase: Phase, value: bool) {
         let run = self.run;
-        self.line(node).phase = Phase::Values;
+        self.line(node).phase = phase;
         self.line(node).waiting = 1;
         self.steps.push(Step::Arrive(node));
         for input in run.inputs(node) {
-            self.steps.push(Step::Demand { node: input, value: true, by: Some(node) });
+            self.steps.push(Step::Demand { node: input, value, by: Some(node) });
         }
     }
 
@@ -329,7 +336,7 @@ impl<'a> Scheduler<'a> {
             self.state.lines[input as usize].record().is_some_and(|record| run.has_values(record))
         });
         if !complete {
-            self.await_values(node);
+            self.await_inputs(node, Phase::Values, true);
             return;
         }
         self.line(node).phase = Phase::Queued;
