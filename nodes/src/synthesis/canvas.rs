@@ -87,8 +87,7 @@ impl Window {
 }
 
 /// Cells within `band` cells, along rows and columns added up, of an open one, open ones included.
-#[must_use]
-pub fn near_open(open: &[bool], cols: usize, band: usize) -> Vec<bool> {
+fn near_open(open: &[bool], cols: usize, band: usize) -> Vec<bool> {
     let far = u32::MAX / 2;
     let mut distance: Vec<u32> = open.iter().map(|&open| if open { 0 } else { far }).collect();
     let n = distance.len();
@@ -216,6 +215,23 @@ impl Canvas {
             .collect()
     }
 
+    /// Which cells of `window`, where `old` is known, are still to be made in its `inner` part, and which of its cells a
+    /// patch for them reaches: these and known ones within `band` cells of one.
+    #[must_use]
+    pub fn reached(
+        &self,
+        window: &Window,
+        inner: &Window,
+        old: &[f32],
+        band: usize,
+    ) -> (Vec<bool>, Vec<bool>) {
+        let is_open = |i: usize| old[i].is_nan() && inner.holds(window.cell(i));
+        let open: Vec<bool> = (0..window.len()).map(is_open).collect();
+        let mut near = near_open(&open, window.cols, band);
+        near.iter_mut().zip(&open).zip(old).for_each(|((near, open), old)| *near &= *open || !old.is_nan());
+        (open, near)
+    }
+
     /// The core that cell `i` belongs to: the centre of its patch.
     fn core(&self, i: usize) -> Option<Point> {
         (self.cores[i] as usize).checked_sub(1).map(|patch| self.centers[patch])
@@ -265,20 +281,16 @@ impl Canvas {
         seam(&overlay, rules.seam_weight, job)
     }
 
-    /// Heights of a piece but for what stays: that is not to move for its sake, so there it has no say.
-    fn movable(&self, sheet: &Sheet) -> Vec<f32> {
-        let height =
-            |i: usize| if self.frozen[self.index(&sheet.window, i)] { f32::NAN } else { sheet.heights[i] };
-        (0..sheet.window.len()).map(height).collect()
-    }
-
     /// What spreads the step along the seam of `piece`, for each cell of its window.
     ///
     /// # Errors
     /// Those of [`correction`].
     pub fn fit(&self, piece: &Piece, rules: &Rules, job: &Job<'_>) -> Result<Vec<f64>> {
         let Piece { sheet, old, seam, .. } = piece;
-        let new = self.movable(sheet);
+        // What stays is not to move for the patch's sake, so there the patch has no say.
+        let movable =
+            |i: usize| if self.frozen[self.index(&sheet.window, i)] { f32::NAN } else { sheet.heights[i] };
+        let new: Vec<f32> = (0..sheet.window.len()).map(movable).collect();
         let composite = Composite { cols: sheet.window.cols, old, new: &new, is_new: &seam.new };
         correction(&composite, rules.seam_gradient, rules.grow, job)
     }
@@ -286,8 +298,8 @@ impl Canvas {
     /// Pastes `piece` with what [`fit`](Self::fit) `added`. The number of cells that were unknown before.
     pub fn paste(&mut self, piece: Piece, added: &[f64]) -> usize {
         let Piece { sheet, old, seam, patch, sources } = piece;
-        let new = self.movable(&sheet);
-        let composite = Composite { cols: sheet.window.cols, old: &old, new: &new, is_new: &seam.new };
+        let composite =
+            Composite { cols: sheet.window.cols, old: &old, new: &sheet.heights, is_new: &seam.new };
         self.take_steps(&sheet, &seam.new);
         self.centers.push(patch.target_center);
         self.patches.push(patch);

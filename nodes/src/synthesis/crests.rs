@@ -44,12 +44,12 @@ pub(super) fn raise(
 ) -> Result<Raised> {
     let unit = patch as f64 / 16.0;
     let sign = if network.kind == FeatureKind::Ridge { 1.0 } else { -1.0 };
+    let lines: Vec<Vec<Station>> = network.chains.iter().map(stations).collect();
     let mut moved = vec![0.0_f64; canvas.heights.len()];
     for _ in 0..ROUNDS {
         let mut added = vec![0.0_f64; moved.len()];
-        for chain in &network.chains {
+        for stations in &lines {
             job.check()?;
-            let stations = stations(chain);
             let lacks: Vec<f64> = stations
                 .iter()
                 .map(|station| {
@@ -130,15 +130,12 @@ impl Station {
 /// The largest lack around each station, then means: a gap is closed over its whole length and the ends run out.
 fn smooth(lacks: &[f64], unit: f64) -> Vec<f64> {
     let reach = unit.ceil() as usize;
-    let around = |values: &[f64], i: usize| {
-        let range = i.saturating_sub(reach)..(i + reach + 1).min(values.len());
-        values[range].to_vec()
-    };
+    let around = |i: usize| i.saturating_sub(reach)..(i + reach + 1).min(lacks.len());
     let largest: Vec<f64> =
-        (0..lacks.len()).map(|i| around(lacks, i).into_iter().fold(0.0, f64::max)).collect();
+        (0..lacks.len()).map(|i| lacks[around(i)].iter().copied().fold(0.0, f64::max)).collect();
     (0..lacks.len())
         .map(|i| {
-            let near = around(&largest, i);
+            let near = &largest[around(i)];
             near.iter().sum::<f64>() / near.len() as f64
         })
         .collect()

@@ -12,7 +12,7 @@ use orograph_core::{Patch, key, unit};
 use rayon::prelude::*;
 
 use super::{
-    canvas::{Canvas, Piece, Sheet, Window, near_open},
+    canvas::{Canvas, Piece, Sheet, Window},
     cut::Seam,
     exemplar::Exemplar,
     matching::Uses,
@@ -250,11 +250,8 @@ fn grow(
     let exemplar = &sources.exemplars[which];
     let (inner, window) = (window, &window.grown(rules.margin, canvas.size));
     let old = canvas.part(window);
-    let open: Vec<bool> =
-        old.iter().enumerate().map(|(i, height)| height.is_nan() && inner.holds(window.cell(i))).collect();
     let band = if rules.strict() { window.len() } else { rules.patch / 3 };
-    let mut near = near_open(&open, window.cols, band);
-    near.iter_mut().zip(&old).zip(&open).for_each(|((near, old), open)| *near &= *open || !old.is_nan());
+    let (open, near) = canvas.reached(window, inner, &old, band);
     let compared: Vec<f32> =
         old.iter().zip(&near).map(|(&height, &near)| if near { height } else { f32::NAN }).collect();
     let query = Query {

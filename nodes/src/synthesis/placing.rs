@@ -1,7 +1,8 @@
 //! Placing patches along the lines of a sketch.
 //!
 //! Zhou 2007 §5.1: breadth first along the feature tree. Places that share no cell with each other, nor with an earlier one
-//! that still waits, do not know of each other; they are served together, which gives what one after the other gives.
+//! that still waits, do not know of each other but for the ground that they take; they are served together, and one that
+//! takes what another of the same round took chooses again.
 
 use std::collections::VecDeque;
 
@@ -31,6 +32,13 @@ pub(super) struct Style {
     pub(super) pools: Vec<Pool>,
 }
 
+impl Style {
+    /// The candidates for lines of a kind, when the exemplar was searched for such.
+    pub(super) fn pool(&self, kind: FeatureKind) -> Option<&Pool> {
+        self.networks.iter().position(|network| network.kind == kind).map(|at| &self.pools[at])
+    }
+}
+
 /// What ground is taken from.
 pub(super) struct Sources<'a> {
     /// The exemplars.
@@ -52,17 +60,17 @@ pub(super) struct Placing<'a> {
 }
 
 impl Placing<'_> {
-    /// Places patches along all lines of `sketch`, but where an earlier sketch has some.
+    /// Places patches along all lines of a sketch, but where an earlier sketch has some.
     pub(super) fn follow(
         &mut self,
-        sketch: &Features,
+        sketch: &Network,
         sources: &Sources<'_>,
         style: &(dyn Fn(&Canvas, &Window) -> usize + Sync),
         order: Order,
         rules: &Rules,
         job: &Job<'_>,
     ) -> Result<()> {
-        let mut plan = Network::new(sketch, [1.0; 2]).plan(rules.patch as f64);
+        let mut plan = sketch.plan(rules.patch as f64);
         if order == Order::RasterItems {
             let band = |site: &Site| (site.center[0] / (rules.patch as f64 / 2.0)).floor();
             plan.sort_by(|a, b| band(a).total_cmp(&band(b)).then(a.center[1].total_cmp(&b.center[1])));
@@ -175,10 +183,7 @@ fn is_given(canvas: &Canvas, site: &Site) -> bool {
 
 /// What goes to a place: a patch, or a path through a branch that no candidate fits, or nothing.
 fn place(site: &Site, style: &Style, scene: &Scene<'_>, job: &Job<'_>) -> Result<Option<Choice>> {
-    let Some(at) = style.networks.iter().position(|network| network.kind == scene.kind) else {
-        return Ok(None);
-    };
-    let pool = &style.pools[at];
+    let Some(pool) = style.pool(scene.kind) else { return Ok(None) };
     if let Some(chosen) = choose(site, pool, scene, job)? {
         return Ok(Some(chosen));
     }

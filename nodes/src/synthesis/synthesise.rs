@@ -199,11 +199,13 @@ pub fn synthesise(
     if !drawn {
         job.warn("the sketch has no lines: the exemplar's ground is continued everywhere");
     }
+    let networks: Vec<Network> =
+        inputs.sketches.iter().map(|sketch| Network::new(sketch, [1.0; 2])).collect();
     if order != Order::Raster {
         let ground = Sources { exemplars: &exemplars, styles: &styles };
         let mut placing =
             Placing { canvas: &mut canvas, uses: &mut uses, report: &mut report, cores: Vec::new() };
-        for sketch in &inputs.sketches {
+        for sketch in &networks {
             placing.follow(sketch, &ground, &style_of, order, rules, job)?;
         }
         if report.unmatched > 0 {
@@ -226,18 +228,14 @@ pub fn synthesise(
         merge(&mut canvas, reach, job)?;
     }
     if rules.crest > 0.0 && order != Order::Raster {
-        for sketch in &inputs.sketches {
+        for sketch in &networks {
             let style = |[row, col]: [f64; 2]| {
                 let at = (row as usize).min(size.0 - 1) * size.1 + (col as usize).min(size.1 - 1);
                 inputs.styles.map_or(0, |labels| label(labels.cells()[at], exemplars.len()))
             };
-            let wanted = |at| {
-                let style = &styles[style(at)];
-                let own = style.networks.iter().position(|network| network.kind == sketch.kind);
-                own.map_or(0.0, |own| rules.crest * style.pools[own].prominence)
-            };
-            let raised =
-                crests::raise(&mut canvas, &Network::new(sketch, [1.0; 2]), wanted, rules.patch, job)?;
+            let wanted =
+                |at| styles[style(at)].pool(sketch.kind).map_or(0.0, |pool| rules.crest * pool.prominence);
+            let raised = crests::raise(&mut canvas, sketch, wanted, rules.patch, job)?;
             report.raised.cells += raised.cells;
             report.raised.most = report.raised.most.max(raised.most);
         }

@@ -12,7 +12,7 @@ use orograph_core::{Unit, prelude::*};
 use super::lakes::Lakes;
 use crate::{
     adjust::elevation_constraints::{self, ElevationConstraints, Fit, Shape, Wanted},
-    measure::drainage::flood::leaves,
+    measure::drainage::flood::{NEIGHBOURS, beside, leaves},
 };
 use isotonic::isotonic;
 use tree::Trees;
@@ -72,8 +72,7 @@ impl Node for EnforceValleys {
         let heights = terrain.cells();
         let size = terrain.grid().size();
         let beside_lake = |cell: usize| {
-            use crate::measure::drainage::flood::beside;
-            (0..8).filter_map(|d| beside(size, cell, d)).any(|other| lakes.at(other))
+            (0..NEIGHBOURS.len()).filter_map(|d| beside(size, cell, d)).any(|other| lakes.at(other))
         };
         let trees = Trees::new(
             valleys,

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::{Fit, Scene, base_cost, probes::Probes};
 use crate::synthesis::{
-    canvas::{Window, near_open},
+    canvas::Window,
     cut::Seam,
     network::{Role, Site},
     resample::cubic,
@@ -41,11 +41,8 @@ impl Frame {
         let margin = scene.rules.margin;
         let window = inner.grown(margin + 1, scene.canvas.size);
         let old = scene.canvas.part(&window);
-        let inside: Vec<bool> = (0..window.len()).map(|i| inner.holds(window.cell(i))).collect();
-        let open: Vec<bool> =
-            old.iter().zip(&inside).map(|(height, inside)| *inside && height.is_nan()).collect();
-        let near = near_open(&open, window.cols, margin);
-        let covered = |i: usize| inside[i] || near[i] && !old[i].is_nan();
+        let (_, near) = scene.canvas.reached(&window, inner, &old, margin);
+        let covered = |i: usize| near[i] || inner.holds(window.cell(i));
         let cells: Vec<usize> = (0..window.len()).filter(|&i| covered(i)).collect();
         let n = basis.n_terms();
         let mut terms = vec![0.0; cells.len() * n];
