@@ -11,6 +11,7 @@ mod real_dem {
     pub(crate) mod io;
     pub(crate) mod mcmd;
     pub(crate) mod measure;
+    pub(crate) mod repair;
     pub(crate) mod synthesis;
 }
 
@@ -45,6 +46,7 @@ fn checks() -> Vec<Check> {
         real_dem::io::checks(),
         real_dem::mcmd::checks(),
         real_dem::measure::checks(),
+        real_dem::repair::checks(),
         real_dem::synthesis::checks(),
     ]
     .into_iter()

@@ -167,6 +167,32 @@ impl Grid {
         Ok(grid)
     }
 
+    /// Another grid on the same ground: `scale` of this one's rows and columns from cell to cell, the first of them at the
+    /// fractional row and column `first`.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn sampled(&self, rows: usize, cols: usize, scale: [f64; 2], first: [f64; 2]) -> Result<Self> {
+        let cell = CellSize { x: self.cell.x * scale[1], y: self.cell.y * scale[0] };
+        let mut grid = Self::new(rows, cols, cell)?;
+        grid.origin = self.position(0, 0) + DVec2::new(first[1] * self.cell.x, -first[0] * self.cell.y);
+        grid.georef = self.georef_here().map(|georef| {
+            let [x0, xc, xr, y0, yc, yr] = georef.transform;
+            // Transforms start at a cell's corner, places at its centre.
+            let [row, col] = [0, 1].map(|axis| first[axis] + 0.5 - 0.5 * scale[axis]);
+            let transform = [
+                x0 + xc * col + xr * row,
+                xc * scale[1],
+                xr * scale[0],
+                y0 + yc * col + yr * row,
+                yc * scale[1],
+                yr * scale[0],
+            ];
+            Arc::new(Georef { transform, crs: georef.crs })
+        });
+        Ok(grid)
+    }
+
     /// The georeference whose transform starts at this grid's own first cell, as a file wants it.
     #[must_use]
     pub fn georef_here(&self) -> Option<Georef> {
@@ -215,6 +241,20 @@ mod tests {
         let half = grid.resized(5, 10).unwrap();
         assert_eq!(half.cell, CellSize::square(4.0));
         assert_eq!(half.position(0, 0), DVec2::new(1.0, -1.0));
+    }
+
+    #[test]
+    fn sampled_cells_lie_where_they_are_said_to() {
+        let mut grid = Grid::new(10, 20, CellSize { x: 2.0, y: 3.0 }).unwrap();
+        let transform = [500.0, 2.0, 0.0, 900.0, 0.0, -3.0];
+        grid.georef = Some(Arc::new(Georef { transform, crs: "EPSG:32632".into() }));
+        let coarse = grid.crop(2, 4, 6, 8).unwrap().sampled(4, 5, [2.0, 2.0], [-0.5, -0.5]).unwrap();
+        // Its first cell is centred between rows 1 and 2 and columns 3 and 4 of the whole.
+        assert_eq!(coarse.position(0, 0), DVec2::new(7.0, -4.5));
+        assert_eq!(coarse.cell, CellSize { x: 4.0, y: 6.0 });
+        // Its corner is that of row 1 and column 3.
+        assert_eq!(coarse.georef_here().unwrap().transform, [506.0, 4.0, 0.0, 897.0, 0.0, -6.0]);
+        assert_eq!(grid.sampled(10, 20, [1.0; 2], [0.0; 2]).unwrap(), grid);
     }
 
     #[test]

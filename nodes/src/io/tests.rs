@@ -101,7 +101,7 @@ fn geotiff_of(terrain: &Heightfield, options: &Options) -> Result<Vec<u8>> {
 
 fn every_option() -> Vec<Options> {
     let mut all = Vec::new();
-    for sample in [SampleType::Float32, SampleType::Int16] {
+    for sample in [SampleType::Float32, SampleType::Int16, SampleType::Int32, SampleType::Float64] {
         for compression in [Compression::Deflate, Compression::Lzw, Compression::None] {
             for layout in [Layout::Tiles, Layout::Strips] {
                 for big in [false, true] {
@@ -330,7 +330,7 @@ proptest! {
         rows in 1usize..40,
         cols in 1usize..40,
         seed in any::<u64>(),
-        which in 0usize..24,
+        which in 0usize..48,
         oblong in 0.5f64..2.0,
     ) {
         let job = Job::detached();
@@ -341,7 +341,8 @@ proptest! {
         let fine = field(rows, cols, value);
         let whole = field(rows, cols, |row, col| value(row, col).round());
         let options = every_option()[which];
-        let terrain = if options.sample == SampleType::Float32 { &fine } else { &whole };
+        let floats = matches!(options.sample, SampleType::Float32 | SampleType::Float64);
+        let terrain = if floats { &fine } else { &whole };
         let mut grid = terrain.grid().clone();
         grid.cell = CellSize { x: 10.0, y: 10.0 * oblong };
         let transform = [1e5, 10.0, 0.0, 2e6, 0.0, -10.0 * oblong];

@@ -17,7 +17,8 @@ use super::{
 ///
 /// Errors are taken over the cells that both terrains know, inside the mask where there is one. Cells that
 /// only the reference knows are counted as missing. `slope_w1` is the Wasserstein-1 distance of the slopes in bins of
-/// 1°: 0 where both are equally steep. A metric without any cell is NaN.
+/// 1°: 0 where both are equally steep. `step_ratio_rim` is the mean step of the terrain across the mask's edge, relative to
+/// that between cells outside along it: above 1 a rim shows. A metric without any cell is NaN.
 #[derive(Params, Clone, Debug)]
 pub struct Compare {
     /// Half the breadth of the band along the mask's edge over which roughness at the rim is measured.
@@ -47,7 +48,7 @@ pub struct CompareOut {
 
 impl Node for Compare {
     const ID: &'static str = "measure.compare";
-    const VERSION: u32 = 2; // 2 adds slope_w1
+    const VERSION: u32 = 3; // 2 adds slope_w1, 3 step_ratio_rim
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = CompareIn<'a>;
     type Outputs = CompareOut;
@@ -71,6 +72,7 @@ impl Node for Compare {
             Some(rim) => roughness_ratio(terrain, reference, Some(rim), job)?,
             None => f64::NAN,
         };
+        let step = mask.map(|mask| step_ratio(terrain, mask, job)).transpose()?.unwrap_or(f64::NAN);
         let apart = slope_distance(terrain, reference, |row, col| inside(mask, row, col), job)?;
         let (known, kept) = exactness(inputs.terrain, inputs.known);
         let share = |part: usize, whole: usize| 100.0 * part as f64 / whole as f64;
@@ -82,6 +84,7 @@ impl Node for Compare {
             ("rmse_of_relief", Unit::Percent, 100.0 * errors.rmse() / (errors.high - errors.low)),
             ("roughness_ratio", Unit::One, roughness_ratio(terrain, reference, mask, job)?),
             ("roughness_ratio_rim", Unit::One, roughness_at_rim),
+            ("step_ratio_rim", Unit::One, step),
             ("slope_w1", Unit::Degree, apart),
             ("cells", Unit::Cell, errors.count as f64),
             ("missing", Unit::Cell, errors.missing as f64),
@@ -113,6 +116,41 @@ fn roughness_ratio(
         Moments::of(rows, job, each).map(|moments| moments.deviation)
     };
     Ok(deviation(true)? / deviation(false)?)
+}
+
+/// Cells outside the mask that count as its surroundings, as steps are compared.
+const COLLAR: usize = 4;
+
+/// Mean slope between neighbours across the mask's edge, relative to that between neighbours just outside.
+fn step_ratio(terrain: &Heightfield, mask: &Mask, job: &Job) -> Result<f64> {
+    let near = rim(mask, COLLAR, job)?;
+    let (rows, cols) = terrain.grid().size();
+    let CellSize { x, y } = terrain.grid().cell;
+    let sums = per_row(rows, job, |row| {
+        let mut sums = [[0.0; 2]; 2];
+        for col in 0..cols {
+            for (other_row, other_col, far) in [(row, col + 1, x), (row + 1, col, y)] {
+                if other_row >= rows || other_col >= cols {
+                    continue;
+                }
+                let step = f64::from(terrain.at(row, col)) - f64::from(terrain.at(other_row, other_col));
+                let ends = [(row, col), (other_row, other_col)];
+                let within = ends.map(|(row, col)| inside(Some(mask), row, col));
+                let close = ends.iter().all(|&(row, col)| near.at(row, col) > 0.0);
+                if step.is_nan() || !close || within == [true; 2] {
+                    continue;
+                }
+                let [sum, n] = &mut sums[usize::from(within == [false; 2])];
+                (*sum, *n) = (*sum + step.abs() / far, *n + 1.0);
+            }
+        }
+        Ok(sums)
+    })?;
+    let total = sums
+        .into_iter()
+        .fold([[0.0; 2]; 2], |a: [[f64; 2]; 2], b| [0, 1].map(|i| [0, 1].map(|k| a[i][k] + b[i][k])));
+    let [edge, outside] = total.map(|[sum, n]| sum / n);
+    Ok(edge / outside)
 }
 
 fn refuse_infinite(what: &str, field: &Heightfield) -> Result<()> {
@@ -271,6 +309,21 @@ mod tests {
         assert_eq!(metric("cells"), 36.0);
         assert_eq!(metric("roughness_ratio_rim"), 1.0);
         assert!(metric("roughness_ratio") > 1.5);
+    }
+
+    #[test]
+    fn steps_across_the_edge_are_relative_to_those_outside() {
+        let masked = |row: usize, col: usize| (8..15).contains(&row) && (8..15).contains(&col);
+        let slope = |row: usize, col: usize| 3.0 * row as f64 + 3.0 * col as f64;
+        let mut mask: Mask = field(24, 24, slope).map(&Job::detached(), |_| 0.0).unwrap();
+        (0..576).filter(|i| masked(i / 24, i % 24)).for_each(|i| mask.cells_mut()[i] = 1.0);
+        // On an even slope every step is 3 m; a patch 12 m too high makes them 9 and 15 m.
+        for (raised, expected) in [(0.0, 1.0), (12.0, 4.0)] {
+            let terrain = field(24, 24, |r, c| slope(r, c) + if masked(r, c) { raised } else { 0.0 });
+            let metric =
+                compare(CompareIn { terrain: &terrain, reference: &terrain, known: None, mask: Some(&mask) });
+            assert!((metric("step_ratio_rim") - expected).abs() < 1e-6, "{}", metric("step_ratio_rim"));
+        }
     }
 
     #[test]

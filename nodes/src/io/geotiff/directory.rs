@@ -53,8 +53,8 @@ impl Directory {
         };
         let (format, predictor) = match options.sample {
             SampleType::Uint16 => (1, 2),
-            SampleType::Int16 => (2, 2),
-            SampleType::Float32 => (3, 3),
+            SampleType::Int16 | SampleType::Int32 => (2, 2),
+            SampleType::Float32 | SampleType::Float64 => (3, 3),
         };
         self.longs(tag::IMAGE_WIDTH, &[grid.cols as u64]);
         self.longs(tag::IMAGE_LENGTH, &[grid.rows as u64]);

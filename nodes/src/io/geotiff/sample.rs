@@ -63,10 +63,14 @@ pub(super) struct Row {
 }
 
 /// Samples as bit patterns, on which differences are taken.
-trait Bits: Copy + Default {
+pub(super) trait Bits: Copy + Default {
     fn from_le(bytes: &[u8]) -> Self;
     fn from_be(bytes: &[u8]) -> Self;
     fn plus(self, other: Self) -> Self;
+    fn minus(self, other: Self) -> Self;
+    fn add_to(self, bytes: &mut Vec<u8>);
+    /// One of its bytes, the most significant first.
+    fn byte(self, plane: usize) -> u8;
 }
 
 macro_rules! bits {
@@ -80,6 +84,15 @@ macro_rules! bits {
             }
             fn plus(self, other: Self) -> Self {
                 self.wrapping_add(other)
+            }
+            fn minus(self, other: Self) -> Self {
+                self.wrapping_sub(other)
+            }
+            fn add_to(self, bytes: &mut Vec<u8>) {
+                bytes.extend_from_slice(&self.to_le_bytes());
+            }
+            fn byte(self, plane: usize) -> u8 {
+                (self >> (8 * (size_of::<$ty>() - 1 - plane))) as u8
             }
         }
     )*};
@@ -207,32 +220,25 @@ impl Row {
     }
 }
 
-/// Appends the samples of a row as differences of 16-bit integers (predictor 2).
-pub(super) fn differences(samples: &[u16], out: &mut Vec<u8>) {
-    let mut before = 0u16;
-    let start = out.len();
-    out.resize(start + samples.len() * 2, 0);
-    for (out, &sample) in out[start..].as_chunks_mut().0.iter_mut().zip(samples) {
-        *out = sample.wrapping_sub(before).to_le_bytes();
+/// Appends the samples of a row as differences of integers (predictor 2).
+pub(super) fn differences<B: Bits>(samples: &[B], out: &mut Vec<u8>) {
+    let mut before = B::default();
+    out.reserve(size_of_val(samples));
+    for &sample in samples {
+        sample.minus(before).add_to(out);
         before = sample;
     }
 }
 
-/// Appends the samples of a row with their bytes sorted and differenced (predictor 3).
-pub(super) fn sort_bytes(samples: &[f32], out: &mut Vec<u8>) {
+/// Appends the samples of a row, the bits of floating-point numbers, with their bytes sorted and differenced (predictor 3).
+pub(super) fn sort_bytes<B: Bits>(samples: &[B], out: &mut Vec<u8>) {
     let start = out.len();
-    let cols = samples.len();
-    out.resize(start + cols * 4, 0);
-    let row = &mut out[start..];
-    for plane in 0..4u32 {
-        let shift = 24 - 8 * plane;
-        let mut before = match plane {
-            0 => 0,
-            _ => samples.last().map_or(0, |last| (last.to_bits() >> (shift + 8)) as u8),
-        };
-        let bytes = &mut row[plane as usize * cols..][..cols];
+    out.resize(start + size_of_val(samples), 0);
+    let Some(last) = samples.last() else { return };
+    for (plane, bytes) in out[start..].chunks_mut(samples.len()).enumerate() {
+        let mut before = plane.checked_sub(1).map_or(0, |above| last.byte(above));
         for (out, sample) in bytes.iter_mut().zip(samples) {
-            let byte = (sample.to_bits() >> shift) as u8;
+            let byte = sample.byte(plane);
             *out = byte.wrapping_sub(before);
             before = byte;
         }

@@ -5,7 +5,11 @@ use std::io::{Seek, SeekFrom, Write};
 use orograph_core::prelude::*;
 use rayon::prelude::*;
 
-use super::{codec, directory::Directory, sample};
+use super::{
+    codec,
+    directory::Directory,
+    sample::{self, Bits},
+};
 
 /// How heights are stored.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -16,6 +20,10 @@ pub enum SampleType {
     Int16,
     /// Whole metres from 0 to 65535.
     Uint16,
+    /// Whole metres beyond that.
+    Int32,
+    /// 64-bit floating point, for software that wants it; heights have 32 bits here.
+    Float64,
 }
 
 /// How bytes are packed.
@@ -79,7 +87,8 @@ const CLASSIC_LIMIT: u64 = 4_000_000_000;
 impl SampleType {
     pub(super) fn size(self) -> usize {
         match self {
-            Self::Float32 => 4,
+            Self::Float64 => 8,
+            Self::Float32 | Self::Int32 => 4,
             Self::Int16 | Self::Uint16 => 2,
         }
     }
@@ -87,10 +96,15 @@ impl SampleType {
     /// Lowest and highest value; for floats those of f32.
     fn limits(self) -> (f64, f64) {
         match self {
-            Self::Float32 => (f64::from(f32::MIN), f64::from(f32::MAX)),
+            Self::Float32 | Self::Float64 => (f64::from(f32::MIN), f64::from(f32::MAX)),
+            Self::Int32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
             Self::Int16 => (-32768.0, 32767.0),
             Self::Uint16 => (0.0, 65535.0),
         }
+    }
+
+    fn is_float(self) -> bool {
+        matches!(self, Self::Float32 | Self::Float64)
     }
 
     fn name(self) -> &'static str {
@@ -103,7 +117,7 @@ impl Options {
     /// [`Error::Invalid`] when the nodata value is none of the sample type.
     pub fn check(&self) -> Result<()> {
         let (low, high) = self.sample.limits();
-        let whole = self.sample == SampleType::Float32 || self.nodata == f64::from(self.nodata as i32);
+        let whole = self.sample.is_float() || self.nodata == f64::from(self.nodata as i32);
         if (low..=high).contains(&self.nodata) && whole {
             return Ok(());
         }
@@ -113,7 +127,7 @@ impl Options {
 
     /// The nodata value as cells of the file hold it.
     pub(super) fn stored_nodata(&self) -> f64 {
-        if self.sample == SampleType::Float32 { f64::from(self.nodata as f32) } else { self.nodata }
+        if self.sample.is_float() { f64::from(self.nodata as f32) } else { self.nodata }
     }
 
     /// Rows and columns of a chunk.
@@ -192,49 +206,17 @@ fn encode_chunk(
     let last_row = (row0 + rows).min(terrain.rows());
     let width = cols.min(terrain.cols() - col0);
     let mut bytes = Vec::with_capacity(rows * cols * options.sample.size());
-    let predict = options.compression != Compression::None;
-    let fault = |col: usize, row: usize| refusal(terrain, options, row, col0 + col);
-    if options.sample == SampleType::Float32 {
-        let nodata = options.nodata as f32;
-        let mut samples = vec![nodata; cols];
-        for row in row0..last_row {
-            for (col, (out, &height)) in
-                samples.iter_mut().zip(&terrain.row(row)[col0..][..width]).enumerate()
-            {
-                if height == nodata || height.is_infinite() {
-                    return Err(fault(col, row));
-                }
-                *out = if height.is_nan() { nodata } else { height };
-            }
-            if predict {
-                sample::sort_bytes(&samples, &mut bytes);
-            } else {
-                samples.iter().for_each(|sample| bytes.extend_from_slice(&sample.to_le_bytes()));
-            }
+    let lines = (row0..last_row).map(|row| (row, &terrain.row(row)[col0..][..width]));
+    let fault = |(row, col): (usize, usize)| refusal(terrain, options, row, col0 + col);
+    match options.sample {
+        SampleType::Float32 => floats(lines, cols, options, |height| height.to_bits(), &mut bytes),
+        SampleType::Float64 => floats(lines, cols, options, |height| f64::from(height).to_bits(), &mut bytes),
+        SampleType::Int16 | SampleType::Uint16 => {
+            integers(lines, cols, options, |whole| whole as u16, &mut bytes)
         }
-    } else {
-        let (low, high) = options.sample.limits();
-        let (low, high, nodata) = (low as i32, high as i32, options.nodata as i32);
-        let mut samples = vec![nodata as u16; cols];
-        for row in row0..last_row {
-            for (col, (out, &height)) in
-                samples.iter_mut().zip(&terrain.row(row)[col0..][..width]).enumerate()
-            {
-                // f64 holds the sum exactly, so halves are told from what lies just below them.
-                let whole = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i32;
-                let known = !height.is_nan();
-                if known && (whole < low || whole > high || whole == nodata) {
-                    return Err(fault(col, row));
-                }
-                *out = if known { whole as u16 } else { nodata as u16 };
-            }
-            if predict {
-                sample::differences(&samples, &mut bytes);
-            } else {
-                samples.iter().for_each(|sample| bytes.extend_from_slice(&sample.to_le_bytes()));
-            }
-        }
+        SampleType::Int32 => integers(lines, cols, options, |whole| whole as u32, &mut bytes),
     }
+    .map_err(fault)?;
     // Tiles are stored whole; below the last row they repeat nothing and cost almost nothing.
     if options.layout == Layout::Tiles {
         bytes.resize(rows * cols * options.sample.size(), 0);
@@ -244,6 +226,68 @@ fn encode_chunk(
         Compression::Lzw => codec::lzw(&bytes),
         Compression::Deflate => codec::deflate(&bytes, options.level),
     })
+}
+
+/// Appends rows of floating-point samples; the row and column of one that cannot be written otherwise.
+fn floats<'a, B: Bits>(
+    lines: impl Iterator<Item = (usize, &'a [f32])>,
+    cols: usize,
+    options: &Options,
+    bits: impl Fn(f32) -> B,
+    bytes: &mut Vec<u8>,
+) -> Result<(), (usize, usize)> {
+    let nodata = options.nodata as f32;
+    let mut samples = vec![bits(nodata); cols];
+    for (row, heights) in lines {
+        for (col, (out, &height)) in samples.iter_mut().zip(heights).enumerate() {
+            if height == nodata || height.is_infinite() {
+                return Err((row, col));
+            }
+            *out = bits(if height.is_nan() { nodata } else { height });
+        }
+        append(&samples, options, sample::sort_bytes, bytes);
+    }
+    Ok(())
+}
+
+/// Appends rows of whole samples; the row and column of one that cannot be written otherwise.
+fn integers<'a, B: Bits>(
+    lines: impl Iterator<Item = (usize, &'a [f32])>,
+    cols: usize,
+    options: &Options,
+    bits: impl Fn(i64) -> B,
+    bytes: &mut Vec<u8>,
+) -> Result<(), (usize, usize)> {
+    let (low, high) = options.sample.limits();
+    let (low, high, nodata) = (low as i64, high as i64, options.nodata as i64);
+    let mut samples = vec![bits(nodata); cols];
+    for (row, heights) in lines {
+        for (col, (out, &height)) in samples.iter_mut().zip(heights).enumerate() {
+            // f64 holds the sum exactly, so halves are told from what lies just below them.
+            let whole = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i64;
+            let known = !height.is_nan();
+            if known && (whole < low || whole > high || whole == nodata) {
+                return Err((row, col));
+            }
+            *out = bits(if known { whole } else { nodata });
+        }
+        append(&samples, options, sample::differences, bytes);
+    }
+    Ok(())
+}
+
+/// Appends a row, by its predictor where bytes are packed.
+fn append<B: Bits>(
+    samples: &[B],
+    options: &Options,
+    predict: impl Fn(&[B], &mut Vec<u8>),
+    bytes: &mut Vec<u8>,
+) {
+    if options.compression == Compression::None {
+        samples.iter().for_each(|sample| sample.add_to(bytes));
+    } else {
+        predict(samples, bytes);
+    }
 }
 
 /// Why the height at (`row`, `col`) cannot be written.

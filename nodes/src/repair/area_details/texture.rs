@@ -1,0 +1,87 @@
+//! What ground feels like: how rough, how steep, how fine-grained.
+
+use orograph_core::prelude::*;
+
+use super::frame::Frame;
+
+/// Mean squares over sampled ground. NaN where nothing is known.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Texture {
+    /// Of the Laplacian between cells beside one another.
+    pub(super) rough: f64,
+    /// Of the Laplacian between cells two apart.
+    coarse: f64,
+    /// Of the slope.
+    steep: f64,
+}
+
+/// Cells around a box that count as its surroundings.
+const COLLAR: usize = 6;
+
+impl Texture {
+    /// Of the known ground in and around the box of a void.
+    pub(super) fn around(terrain: &Heightfield, frame: &Frame) -> Self {
+        let (rows, cols) = terrain.grid().size();
+        let first = frame.first.map(|at| (at as usize).saturating_sub(COLLAR));
+        let end = [
+            (frame.first[0] as usize + frame.size[0] + COLLAR).min(rows),
+            (frame.first[1] as usize + frame.size[1] + COLLAR).min(cols),
+        ];
+        Self::of_box(terrain, first, [end[0] - first[0], end[1] - first[1]], 2048)
+    }
+
+    /// Of at most about so many cells of a box, evenly spread.
+    pub(super) fn of_box(terrain: &Heightfield, first: [usize; 2], size: [usize; 2], samples: usize) -> Self {
+        let cell = terrain.grid().cell;
+        let step = (size[0] * size[1]).div_ceil(samples).max(1);
+        let (mut sums, mut counts) = ([0.0; 3], [0.0; 3]);
+        for i in (0..size[0] * size[1]).step_by(step) {
+            let at = [first[0] + i / size[1], first[1] + i % size[1]];
+            let values =
+                [laplacian(terrain, at, 1), laplacian(terrain, at, 2), slope_square(terrain, at, cell)];
+            for (k, value) in values.into_iter().enumerate() {
+                if let Some(value) = value {
+                    sums[k] += if k < 2 { value * value } else { value };
+                    counts[k] += 1.0;
+                }
+            }
+        }
+        let [rough, coarse, steep] = [0, 1, 2].map(|k| sums[k] / counts[k]);
+        Self { rough, coarse, steep }
+    }
+
+    /// How far two grounds are apart: the sum of differences of logarithms.
+    pub(super) fn apart(&self, other: &Self) -> f64 {
+        let ratio = |a: f64, b: f64| if a > 0.0 && b > 0.0 { 0.5 * libm::log(a / b).abs() } else { 0.0 };
+        ratio(self.rough, other.rough)
+            + ratio(self.steep, other.steep)
+            + ratio(self.rough * other.coarse, other.rough * self.coarse)
+    }
+}
+
+/// Laplacian in 1/m between cells so far apart; `None` where one of them is not known.
+pub(super) fn laplacian(terrain: &Heightfield, [row, col]: [usize; 2], apart: usize) -> Option<f64> {
+    let (rows, cols) = terrain.grid().size();
+    if row < apart || col < apart || row + apart >= rows || col + apart >= cols {
+        return None;
+    }
+    let height = |row: usize, col: usize| f64::from(terrain.at(row, col));
+    let CellSize { x, y } = terrain.grid().cell;
+    let twice = 2.0 * height(row, col);
+    let across = (height(row, col - apart) - twice + height(row, col + apart)) / (x * x);
+    let down = (height(row - apart, col) - twice + height(row + apart, col)) / (y * y);
+    let value = (across + down) / (apart * apart) as f64;
+    value.is_finite().then_some(value)
+}
+
+fn slope_square(terrain: &Heightfield, [row, col]: [usize; 2], cell: CellSize) -> Option<f64> {
+    let (rows, cols) = terrain.grid().size();
+    if row + 1 >= rows || col + 1 >= cols {
+        return None;
+    }
+    let height = |row: usize, col: usize| f64::from(terrain.at(row, col));
+    let across = (height(row, col + 1) - height(row, col)) / cell.x;
+    let down = (height(row + 1, col) - height(row, col)) / cell.y;
+    let square = across * across + down * down;
+    square.is_finite().then_some(square)
+}
