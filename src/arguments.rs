@@ -79,7 +79,7 @@ pub(crate) struct EvaluationOptions {
     pub(crate) quiet: bool,
 }
 
-#[derive(Args)]
+#[derive(Args, Clone)]
 pub(crate) struct RunOptions {
     #[command(flatten)]
     pub(crate) settings: GraphSettings,
@@ -87,7 +87,11 @@ pub(crate) struct RunOptions {
     pub(crate) outputs: Vec<String>,
     #[command(flatten)]
     pub(crate) evaluation: EvaluationOptions,
-    /// Print a JSON manifest of the run instead of tables
+    /// Run the graph for every file that a pattern matches, each into a folder of its name: NAME is the parameter that names
+    /// the file, the pattern may hold `*`, `?`, `[…]` and `**`, and `{stem}` in --set is the file's name up to its first dot
+    #[arg(long, value_name = "NAME=PATTERN")]
+    pub(crate) each: Option<String>,
+    /// Print a JSON manifest of the run instead of tables; with --each one a line
     #[arg(long)]
     pub(crate) json: bool,
     /// Tell what would be computed, and compute nothing

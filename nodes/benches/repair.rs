@@ -4,9 +4,11 @@ use divan::{Bencher, counter::ItemsCount};
 use orograph_core::{CellSize, Grid, Heightfield, Job, Node, key, signed_unit, unit};
 use orograph_nodes::repair::{
     harmonic_fill::harmonic_fill,
-    thin_plate_fill::thin_plate_fill,
+    thin_plate_fill::{Stiffness, thin_plate_fill},
     void_patch::{VoidPatch, VoidPatchIn},
 };
+
+const STIFF: Stiffness = Stiffness { stiffness: 1000.0 };
 
 fn main() {
     divan::main();
@@ -68,7 +70,9 @@ fn patch_voids(bencher: Bencher, (side, cells): (usize, usize)) {
 #[divan::bench(args = VOIDS)]
 fn thin_plate(bencher: Bencher, (side, cells): (usize, usize)) {
     let terrain = holed(side, cells);
-    bencher.counter(ItemsCount::new(cells)).bench_local(|| thin_plate_fill(&terrain, None, &Job::detached()));
+    bencher
+        .counter(ItemsCount::new(cells))
+        .bench_local(|| thin_plate_fill(&terrain, None, STIFF, &Job::detached()));
 }
 
 #[divan::bench(args = VOIDS)]
@@ -90,5 +94,5 @@ fn rebuild_by_thin_plate(bencher: Bencher) {
         .for_each(|(_, height)| *height = f32::NAN);
     bencher
         .counter(ItemsCount::new(1025_usize * 1025))
-        .bench_local(|| thin_plate_fill(&terrain, None, &Job::detached()));
+        .bench_local(|| thin_plate_fill(&terrain, None, STIFF, &Job::detached()));
 }

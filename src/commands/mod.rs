@@ -3,6 +3,7 @@
 pub(crate) mod cache;
 pub(crate) mod check;
 pub(crate) mod completions;
+mod each;
 pub(crate) mod graph;
 pub(crate) mod manual;
 pub(crate) mod nodes;

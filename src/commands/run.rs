@@ -5,10 +5,11 @@ use std::sync::Arc;
 use indexmap::IndexSet;
 use orograph_core::{Value, ValueType};
 use orograph_engine::{
-    Compiled, Evaluator, Graph, NodeId, Outcome, OutputRef, Registry, Report, Request, cache::Tier,
-    eval::Planned,
+    CancelToken, Compiled, Evaluator, Graph, NodeId, Outcome, OutputRef, Registry, Report, Request,
+    cache::Tier, eval::Planned,
 };
 
+use super::each::{self, Item};
 use crate::{
     arguments::RunOptions,
     console,
@@ -19,8 +20,35 @@ use crate::{
 
 pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let registry = session::registry()?;
-    let compiled = session::load(&options.settings, &registry)?;
-    let targets = Targets::choose(compiled, &options.outputs, &registry)?;
+    let items = each::items(options)?;
+    let evaluator = session::evaluator(&options.evaluation)?;
+    let cancel = session::cancel_on_signal();
+    let (n, mut failed) = (items.len(), 0);
+    for Item { file, options } in items {
+        if let Some(file) = file.filter(|_| !options.evaluation.quiet) {
+            console::note(&format!("{}:", file.display()));
+        }
+        match once(&options, &registry, &evaluator, &cancel) {
+            // The other files may do.
+            Err(Failure::Node) if n > 1 => failed += 1,
+            other => other?,
+        }
+    }
+    if failed > 0 {
+        console::error(&format!("{failed} of {n} files failed"));
+        return Err(Failure::Node);
+    }
+    Ok(())
+}
+
+fn once(
+    options: &RunOptions,
+    registry: &Registry,
+    evaluator: &Evaluator,
+    cancel: &CancelToken,
+) -> Result<(), Failure> {
+    let compiled = session::load(&options.settings, registry)?;
+    let targets = Targets::choose(compiled, &options.outputs, registry)?;
     if let Some((first, second, file)) = targets.graph.clash(&targets.writers) {
         let name = |id: NodeId| targets.graph.node(id).name.clone();
         return Err(Failure::usage(
@@ -28,7 +56,6 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
             "give one of them another `file`",
         ));
     }
-    let evaluator = session::evaluator(&options.evaluation)?;
     let request = Request {
         graph: Arc::new(targets.graph),
         outputs: targets.values.iter().map(|(_, output)| *output).collect(),
@@ -41,12 +68,11 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
         )),
     };
     if options.dry_run {
-        tell_plan(&evaluator, &request, options.json);
+        tell_plan(evaluator, &request, options.json);
         return Ok(());
     }
-    let cancel = session::cancel_on_signal();
     let (observer, bar) = progress::observer(options.evaluation.quiet);
-    let report = evaluator.run(request, observer, &cancel);
+    let report = evaluator.run(request, observer, cancel);
     if let Some(bar) = bar {
         bar.finish_and_clear();
     }
@@ -228,7 +254,12 @@ fn tell_report(report: &Report, options: &RunOptions) {
 
 fn tell_results(report: &Report, results: &[(String, Option<Value>)], options: &RunOptions) {
     if options.json {
-        let text = serde_json::to_string_pretty(&manifest(report, results)).unwrap_or_default();
+        let manifest = manifest(report, results);
+        let text = match options.each {
+            Some(_) => serde_json::to_string(&manifest),
+            None => serde_json::to_string_pretty(&manifest),
+        };
+        let text = text.unwrap_or_default();
         console::result(&text);
         return;
     }

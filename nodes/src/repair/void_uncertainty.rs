@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 use super::{
     area_details::{Frame, Source, Turn},
-    thin_plate_fill::thin_plate_fill,
+    thin_plate_fill::{Stiffness, thin_plate_fill},
     voids::{self, Void},
 };
 use crate::Chance;
@@ -26,6 +26,9 @@ pub struct VoidUncertainty {
     /// How far away they lie at most; at least twice as far as the void is long.
     #[param(default = 10000, range = 0.0..=1_000_000.0, slider = 0.0..=50_000.0, unit = "m")]
     pub reach: f64,
+    /// How stiff the plate is.
+    #[param(flatten)]
+    pub stiff: Stiffness,
     /// The random numbers.
     #[param(flatten)]
     pub chance: Chance,
@@ -112,14 +115,21 @@ impl VoidUncertainty {
         let cell = terrain.grid().cell;
         let reach = [cell.y, cell.x].map(|side| self.reach / side);
         let reach = [0, 1].map(|axis| reach[axis].max(2.0 * frame.size[axis] as f64));
-        let turns = Turn::all(cell);
+        let (turns, raster) = (Turn::all(cell), [size.0, size.1]);
         let (mut squares, mut n) = (vec![0.0; local.len()], 0.0);
         for sample in 0..u64::from(self.samples) {
             job.check()?;
             let found = (0..TRIALS).find_map(|trial| {
                 let number = |k: u64| unit(key(seed, 4 * (TRIALS * sample + trial) + k, row, col));
                 let turn = turns[(number(2) * turns.len() as f64) as usize % turns.len()];
-                let by = [0, 1].map(|axis| ((2.0 * number(axis as u64) - 1.0) * reach[axis]).round() as i64);
+                let box_size = turn.size(frame.size);
+                // Anywhere within reach, as far as the raster goes.
+                let by = [0, 1].map(|axis| {
+                    let most = raster[axis] as i64 - box_size[axis] as i64 - frame.first[axis];
+                    let (low, high) =
+                        ((-frame.first[axis] as f64).max(-reach[axis]), (most as f64).min(reach[axis]));
+                    (low + (high - low) * number(axis as u64)).round() as i64
+                });
                 Source::beside(&frame, by, turn, size).filter(|source| source.missing(terrain, &frame) == 0)
             });
             let Some(source) = found else { continue };
@@ -130,7 +140,7 @@ impl VoidUncertainty {
             let mut holed: Vec<f32> = (0..frame.len()).map(truth).collect();
             local.iter().for_each(|&i| holed[i] = f32::NAN);
             let holed = Heightfield::new(Grid::new(frame.size[0], frame.size[1], cell)?, holed)?;
-            let filled = thin_plate_fill(&holed, None, job)?;
+            let filled = thin_plate_fill(&holed, None, self.stiff, job)?;
             for (square, &i) in squares.iter_mut().zip(&local) {
                 let missed = f64::from(truth(i)) - f64::from(filled.cells()[i]);
                 *square += missed * missed;
@@ -198,7 +208,8 @@ mod tests {
             };
             let terrain = holed(waves);
             let out = run(&terrain);
-            let filled = thin_plate_fill(&terrain, None, &Job::detached()).unwrap();
+            let filled =
+                thin_plate_fill(&terrain, None, Stiffness { stiffness: 1000.0 }, &Job::detached()).unwrap();
             for row in 50..70 {
                 for col in 40..75 {
                     squares += (f64::from(filled.at(row, col)) - waves(row, col)).powi(2);

@@ -12,12 +12,15 @@ use orograph_nodes::{
     measure::compare::{Compare, CompareIn},
     repair::{
         harmonic_fill::harmonic_fill,
-        thin_plate_fill::thin_plate_fill,
+        thin_plate_fill::{Stiffness, thin_plate_fill},
         void_patch::{VoidPatch, VoidPatchIn},
     },
 };
 
 use crate::Check;
+
+/// The default.
+const STIFF: Stiffness = Stiffness { stiffness: 1000.0 };
 
 /// Mountains in which voids are made.
 const MOUNTAINS: [&str; 6] = [
@@ -85,7 +88,7 @@ fn patches(path: &Path) -> Result<(), String> {
     };
     let filled = VoidPatch::default().run(VoidPatchIn { terrain: &tile }, &job).map_err(said)?.terrain;
     let patch = measure(&filled)?;
-    let plate = measure(&thin_plate_fill(&tile, None, &job).map_err(said)?)?("rmse");
+    let plate = measure(&thin_plate_fill(&tile, None, STIFF, &job).map_err(said)?)?("rmse");
     let harmonic = measure(&harmonic_fill(&tile, None, &job).map_err(said)?)?("rmse");
     let (error, best) = (patch("rmse"), plate.min(harmonic));
     let figures = format!(
@@ -138,7 +141,7 @@ fn rebuilds(path: &Path) -> Result<(), String> {
     for seed in 1..=3 {
         let thin = RandomDecimate { keep: 35_721.0 / 1_050_625.0, chance: Chance { seed } };
         let samples = thin.run(RandomDecimateIn { terrain: &terrain }, &job).map_err(said)?.constraints;
-        let out = thin_plate_fill(&samples, None, &job).map_err(said)?;
+        let out = thin_plate_fill(&samples, None, STIFF, &job).map_err(said)?;
         let inputs = CompareIn { terrain: &out, reference: &terrain, known: Some(&samples), mask: None };
         let metrics = Compare::default().run(inputs, &job).map_err(said)?.metrics;
         sum += metrics.metric("rmse").unwrap_or(f64::NAN);

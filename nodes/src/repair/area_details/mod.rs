@@ -179,7 +179,7 @@ impl Patch {
         patch.frame = Frame::around(void, details.margin as usize, details.levels, size);
         let Some(frame) = patch.frame else { return Ok(patch.bare(smooth, void)) };
         job.admit(frame.len() as u64 * 80, || format!("a void's box of {} cells", frame.len()))?;
-        let around = Texture::around(terrain, &frame);
+        let around = Texture::around(terrain, void);
         patch.source = match details.source {
             From::Neighbours => source::neighbour(terrain, smooth, &frame),
             From::Search => {

@@ -130,7 +130,7 @@ mod tests {
                 terrain.cells_mut()[row * 120 + col] = if lost { f32::NAN } else { height };
                 terrain.cells_mut()[to_row * 120 + to_col] = 100.0 + height;
             }
-            let around = Texture::around(&terrain, &frame);
+            let around = Texture::of_box(&terrain, [50, 50], [16, 16], 256);
             let found = search(&terrain, &frame, [40.0, 40.0], &around, &Job::detached()).unwrap();
             assert_eq!(found, Some(copy));
         }
@@ -140,7 +140,7 @@ mod tests {
     fn a_raster_without_room_has_no_source() {
         let terrain = field(16, 16, |row, col| (row * col) as f64);
         let frame = Frame { first: [0, 0], size: [16, 16], levels: 1 };
-        let around = Texture::around(&terrain, &frame);
+        let around = Texture::of_box(&terrain, [0, 0], [16, 16], 256);
         assert_eq!(search(&terrain, &frame, [50.0; 2], &around, &Job::detached()).unwrap(), None);
     }
 }

@@ -17,7 +17,8 @@ const DEEP: usize = 8;
 /// Most that details are multiplied by.
 const MOST: f64 = 4.0;
 
-/// Multipliers by the distance from the rim: none at known cells, the last for everything deeper.
+/// Multipliers by the distance from the rim: the last for everything deeper, and the first at known cells too, so that the
+/// step which details make at the rim can be told.
 pub(super) struct Strength {
     depths: Vec<u8>,
     by_depth: [f64; DEEP + 1],
@@ -46,6 +47,7 @@ impl Strength {
             let gain = libm::sqrt(lacking.max(0.0) * n_added / added);
             by_depth[depth] = if gain.is_finite() { gain.min(MOST) } else { 0.0 };
         }
+        by_depth[0] = by_depth[1];
         Self { depths, by_depth }
     }
 
@@ -123,7 +125,7 @@ mod tests {
         let rough = 4.0 * 20.0 / 1e4;
         let strength = Strength::new(&plane, &void, &frame, &details, rough);
         assert!((strength.middle() - 2.0).abs() < 0.2, "{}", strength.middle());
-        assert_eq!(strength.at(0), 0.0);
+        assert_eq!(strength.at(0), strength.at(frame.find([10, 15]).unwrap()));
         let noise = field(40, 40, |row, col| 5.0 * gaussian(2, 2, row as i64, col as i64));
         assert_eq!(Strength::new(&noise, &void, &frame, &details, rough).middle(), 0.0);
     }

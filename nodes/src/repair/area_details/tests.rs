@@ -1,7 +1,10 @@
 use orograph_core::gaussian;
 
 use super::*;
-use crate::{repair::thin_plate_fill::thin_plate_fill, test_fields::field};
+use crate::{
+    repair::thin_plate_fill::{Stiffness, thin_plate_fill},
+    test_fields::field,
+};
 
 fn rough(row: usize, col: usize) -> f64 {
     1000.0 + 4.0 * row as f64 + 10.0 * gaussian(1, 1, row as i64, col as i64)
@@ -14,7 +17,7 @@ fn is_void(row: usize, col: usize) -> bool {
 
 fn holed() -> (Heightfield, Heightfield) {
     let terrain = field(120, 120, |row, col| if is_void(row, col) { f64::NAN } else { rough(row, col) });
-    let smooth = thin_plate_fill(&terrain, None, &Job::detached()).unwrap();
+    let smooth = thin_plate_fill(&terrain, None, Stiffness { stiffness: 1000.0 }, &Job::detached()).unwrap();
     (terrain, smooth)
 }
 

@@ -2,7 +2,7 @@
 
 use orograph_core::prelude::*;
 
-use super::frame::Frame;
+use crate::repair::voids::{Void, around};
 
 /// Mean squares over sampled ground. NaN where nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -15,28 +15,50 @@ pub(super) struct Texture {
     steep: f64,
 }
 
-/// Cells around a box that count as its surroundings.
-const COLLAR: usize = 6;
+/// Steps from a void over which known ground counts as its surroundings. What lies nearest foretells best how rough the
+/// lost ground was.
+const COLLAR: usize = 8;
 
 impl Texture {
-    /// Of the known ground in and around the box of a void.
-    pub(super) fn around(terrain: &Heightfield, frame: &Frame) -> Self {
+    /// Of the known ground around a void.
+    pub(super) fn around(terrain: &Heightfield, void: &Void) -> Self {
         let (rows, cols) = terrain.grid().size();
-        let first = frame.first.map(|at| (at as usize).saturating_sub(COLLAR));
-        let end = [
-            (frame.first[0] as usize + frame.size[0] + COLLAR).min(rows),
-            (frame.first[1] as usize + frame.size[1] + COLLAR).min(cols),
+        let first = void.first.map(|at| at.saturating_sub(COLLAR));
+        let size = [
+            (void.last[0] + COLLAR + 1).min(rows) - first[0],
+            (void.last[1] + COLLAR + 1).min(cols) - first[1],
         ];
-        Self::of_box(terrain, first, [end[0] - first[0], end[1] - first[1]], 2048)
+        let mut seen = vec![false; size[0] * size[1]];
+        let local = |cell: usize| (cell / cols - first[0]) * size[1] + cell % cols - first[1];
+        let mut front: Vec<usize> = void.cells.iter().map(|&cell| local(cell)).collect();
+        front.iter().for_each(|&i| seen[i] = true);
+        let mut collar = Vec::new();
+        for _ in 0..COLLAR {
+            let mut next = Vec::new();
+            for i in front {
+                for near in around(i, (size[0], size[1])).into_iter().flatten() {
+                    if !std::mem::replace(&mut seen[near], true) {
+                        next.push(near);
+                    }
+                }
+            }
+            collar.extend_from_slice(&next);
+            front = next;
+        }
+        Self::of_cells(terrain, collar.into_iter().map(|i| [first[0] + i / size[1], first[1] + i % size[1]]))
     }
 
     /// Of at most about so many cells of a box, evenly spread.
     pub(super) fn of_box(terrain: &Heightfield, first: [usize; 2], size: [usize; 2], samples: usize) -> Self {
-        let cell = terrain.grid().cell;
         let step = (size[0] * size[1]).div_ceil(samples).max(1);
+        let cells = (0..size[0] * size[1]).step_by(step);
+        Self::of_cells(terrain, cells.map(|i| [first[0] + i / size[1], first[1] + i % size[1]]))
+    }
+
+    fn of_cells(terrain: &Heightfield, cells: impl Iterator<Item = [usize; 2]>) -> Self {
+        let cell = terrain.grid().cell;
         let (mut sums, mut counts) = ([0.0; 3], [0.0; 3]);
-        for i in (0..size[0] * size[1]).step_by(step) {
-            let at = [first[0] + i / size[1], first[1] + i % size[1]];
+        for at in cells {
             let values =
                 [laplacian(terrain, at, 1), laplacian(terrain, at, 2), slope_square(terrain, at, cell)];
             for (k, value) in values.into_iter().enumerate() {

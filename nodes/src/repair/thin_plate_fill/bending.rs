@@ -1,7 +1,8 @@
 //! The bending energy of a plate of cells, and its derivative.
 //!
-//! The sum of f_xx² + 2 f_xy² + f_yy² over all differences that lie wholly on the plate, whose edges are free. Differences
-//! are taken per metre; the whole is scaled by the square of a cell's area, which changes no minimum.
+//! The sum of f_xx² + 2 f_xy² + f_yy² over all differences that lie wholly on the plate, whose edges are free, and of the
+//! square of the slope divided by that of a length: the tension. Differences are taken per metre; the whole is scaled by the
+//! square of a cell's area, which changes no minimum.
 
 use std::{
     iter::Sum,
@@ -42,19 +43,23 @@ pub(super) struct Bending {
     pub(super) size: (usize, usize),
     /// Weights of the squares of f_xx, f_xy and f_yy.
     weights: [f64; 3],
+    /// Weights of the squares of f_x and f_y.
+    tension: [f64; 2],
 }
 
 impl Bending {
-    pub(super) fn new(size: (usize, usize), cell: CellSize) -> Self {
+    /// A plate that is bent over less than `stiff` metres, and hangs like a membrane over more.
+    pub(super) fn new(size: (usize, usize), cell: CellSize, stiff: f64) -> Self {
         let slender = cell.y / cell.x;
-        Self { size, weights: [slender * slender, 2.0, 1.0 / (slender * slender)] }
+        let tension = [cell.y, cell.x].map(|side| (side / stiff) * (side / stiff));
+        Self { size, weights: [slender * slender, 2.0, 1.0 / (slender * slender)], tension }
     }
 
     /// Energy of a surface that is the product of a function of the row and the same of the column, by the sums of squares
     /// of that function and of its first and second differences.
     pub(super) fn of_product(&self, [value, first, second]: [f64; 3]) -> f64 {
         let [xx, xy, yy] = self.weights;
-        (xx + yy) * value * second + xy * first * first
+        (xx + yy) * value * second + xy * first * first + (self.tension[0] + self.tension[1]) * value * first
     }
 
     /// Half the derivative of the energy at `surface`, row by row; `each` hears the number of a row and its derivative,
@@ -85,15 +90,18 @@ impl Bending {
             &surface[row * cols..(row + 1) * cols]
         };
         let lines = [0, 1, 2, 3, 4].map(line);
-        let down = fourth(rows, row).map(|c| c * yy);
-        let cross = second(rows, row).map(|c| c * xy);
+        let [along, across] = self.tension;
+        let beside = second(rows, row);
+        let mut down = fourth(rows, row).map(|c| c * yy);
+        (0..3).for_each(|k| down[k + 1] += across * beside[k]);
+        let cross = beside.map(|c| c * xy);
         let inner = 2..cols.saturating_sub(2).max(2);
         for col in (0..inner.start.min(cols)).chain(inner.end.min(cols)..cols) {
             let beside =
                 |col: usize| cross.iter().zip(&lines[1..4]).map(|(c, line)| R::of(*c) * line[col]).sum::<R>();
             let mut sum: R = down.iter().zip(lines).map(|(c, line)| R::of(*c) * line[col]).sum();
             for (k, c) in second(cols, col).into_iter().enumerate().filter(|(_, c)| *c != 0.0) {
-                sum = sum + R::of(c) * beside(col + k - 1);
+                sum = sum + R::of(c) * (beside(col + k - 1) + R::of(along) * lines[2][col + k - 1]);
             }
             for (k, c) in fourth(cols, col).into_iter().enumerate().filter(|(_, c)| *c != 0.0) {
                 sum = sum + R::of(xx * c) * lines[2][col + k - 2];
@@ -108,12 +116,12 @@ impl Bending {
         let [two_above, one_above, here, one_below, two_below] = [
             down[0],
             down[1] + 2.0 * above,
-            down[2] + 6.0 * xx + 2.0 * middle,
+            down[2] + 6.0 * xx + 2.0 * (middle + along),
             down[3] + 2.0 * below,
             down[4],
         ]
         .map(R::of);
-        let [above, below, near, far] = [above, below, -4.0 * xx - middle, xx].map(R::of);
+        let [above, below, near, far] = [above, below, -4.0 * xx - middle - along, xx].map(R::of);
         let [far_above, near_above, line, near_below, far_below] = lines;
         let ends = far_above[2..].iter().zip(&far_below[2..]);
         let sides = near_above[1..].windows(3).zip(near_below[1..].windows(3));
@@ -160,6 +168,8 @@ mod tests {
     use super::*;
     use orograph_core::gaussian;
 
+    const STIFF: f64 = 45.0;
+
     fn energy(surface: &[f64], (rows, cols): (usize, usize), cell: CellSize) -> f64 {
         let at = |row: usize, col: usize| surface[row * cols + col];
         let mut sum = 0.0;
@@ -172,6 +182,12 @@ mod tests {
                 if row > 0 && row + 1 < rows {
                     let yy = (at(row - 1, col) - 2.0 * at(row, col) + at(row + 1, col)) / (cell.y * cell.y);
                     sum += yy * yy;
+                }
+                if row + 1 < rows {
+                    sum += ((at(row + 1, col) - at(row, col)) / (cell.y * STIFF)).powi(2);
+                }
+                if col + 1 < cols {
+                    sum += ((at(row, col + 1) - at(row, col)) / (cell.x * STIFF)).powi(2);
                 }
                 if row + 1 < rows && col + 1 < cols {
                     let xy = at(row + 1, col + 1) - at(row + 1, col) - at(row, col + 1) + at(row, col);
@@ -188,7 +204,7 @@ mod tests {
         for size in [(9, 11), (1, 1), (1, 7), (7, 1), (2, 2), (3, 4), (5, 5), (4, 6)] {
             let n = size.0 * size.1;
             let surface: Vec<f64> = (0..n as i64).map(|i| gaussian(1, 0, i, 0)).collect();
-            let bending = Bending::new(size, cell);
+            let bending = Bending::new(size, cell, STIFF);
             let mut out = vec![0.0; n];
             bending.derivative(&surface, &mut out, |_, _| ());
             // The energy is a quadratic form: its derivative along a direction tells the whole.
@@ -212,7 +228,8 @@ mod tests {
         let squares = |values: Vec<f64>| values.iter().map(|value| value * value).sum::<f64>();
         let first = shape.windows(2).map(|w| w[1] - w[0]).collect();
         let second = shape.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect();
-        let said = Bending::new((n, n), cell).of_product([squares(shape), squares(first), squares(second)]);
+        let said =
+            Bending::new((n, n), cell, STIFF).of_product([squares(shape), squares(first), squares(second)]);
         assert!((said - energy(&surface, (n, n), cell)).abs() < 1e-9);
     }
 }

@@ -214,7 +214,7 @@ mod tests {
     fn the_preconditioner_is_symmetric_positive_and_bounded() {
         let size = (37, 45);
         let free = disc(size, 15.0);
-        let bending = Bending::new(size, CellSize { x: 20.0, y: 25.0 });
+        let bending = Bending::new(size, CellSize { x: 20.0, y: 25.0 }, 100.0);
         let mut levels = Levels::new(&bending, &free);
         assert!(levels.coarse.len() >= 2);
         let mut apply = |x: &[f32]| {

@@ -29,10 +29,11 @@ pub(super) fn solve(
     free: &[bool],
     size: (usize, usize),
     cell: CellSize,
+    stiff: f64,
     job: &Job<'_>,
 ) -> Result<Vec<f64>> {
     let cols = size.1;
-    let bending = Bending::new(size, cell);
+    let bending = Bending::new(size, cell, stiff);
     let mut iteration = Iteration::new(&bending, free);
     let mut surface = start(heights, free, size);
     let mut derivative = vec![0.0; surface.len()];

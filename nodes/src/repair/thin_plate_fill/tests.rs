@@ -3,8 +3,11 @@ use orograph_core::{key, unit};
 use super::*;
 use crate::test_fields::field;
 
+/// As good as no tension.
+const STIFF: Stiffness = Stiffness { stiffness: 1e9 };
+
 fn filled(terrain: &Heightfield) -> Heightfield {
-    thin_plate_fill(terrain, None, &Job::detached()).unwrap()
+    thin_plate_fill(terrain, None, STIFF, &Job::detached()).unwrap()
 }
 
 /// A blot, a notch in the border, a corner and specks.
@@ -63,7 +66,7 @@ fn the_surface_is_that_of_a_dense_solve() {
         if known(i) { height(i) } else { f64::NAN }
     });
     // The energy's derivative as a matrix, one column for each unit vector.
-    let bending = bending::Bending::new((rows, cols), terrain.grid().cell);
+    let bending = bending::Bending::new((rows, cols), terrain.grid().cell, STIFF.stiffness);
     let n = rows * cols;
     let column = |i: usize| {
         let (mut at, mut out) = (vec![0.0; n], vec![0.0; n]);
@@ -125,14 +128,35 @@ fn a_mask_chooses_the_cells_and_leaves_other_voids() {
     spiked.cells_mut()[40] = 99.0;
     let mut holes: Mask = spiked.map(&Job::detached(), |_| 0.0).unwrap();
     holes.cells_mut()[40] = 1.0;
-    let out = thin_plate_fill(&spiked, Some(&holes), &Job::detached()).unwrap();
+    let out = thin_plate_fill(&spiked, Some(&holes), STIFF, &Job::detached()).unwrap();
     assert!(out.at(0, 0).is_nan());
     assert!((f64::from(out.cells()[40]) - plane(4, 4)).abs() < 1e-3);
     spiked.cells_mut()[7] = f32::INFINITY;
     assert!(matches!(
-        thin_plate_fill(&spiked, None, &Job::detached()),
+        thin_plate_fill(&spiked, None, STIFF, &Job::detached()),
         Err(Error::NonFinite { row: 0, col: 7, .. })
     ));
+}
+
+#[test]
+fn under_tension_a_wide_plate_is_a_membrane() {
+    // Far more tension than a cell can bend against: the harmonic fill.
+    let rough = |row: usize, col: usize| 100.0 * unit(key(3, 3, row as i64, col as i64));
+    let terrain = holed(rough, is_void);
+    let slack = thin_plate_fill(&terrain, None, Stiffness { stiffness: 0.01 }, &Job::detached()).unwrap();
+    let harmonic = crate::repair::harmonic_fill::harmonic_fill(&terrain, None, &Job::detached()).unwrap();
+    let apart = slack.cells().iter().zip(harmonic.cells()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+    assert!(apart < 0.05, "{apart}");
+    // A flank beside a void goes on for less far.
+    let step = |_: usize, col: usize| if col < 10 { col as f64 } else { 0.0 };
+    let bay = field(60, 80, |row, col| {
+        if (10..70).contains(&col) && (5..55).contains(&row) { f64::NAN } else { step(row, col) }
+    });
+    let highest = |stiffness: f64| {
+        let out = thin_plate_fill(&bay, None, Stiffness { stiffness }, &Job::detached()).unwrap();
+        out.range().unwrap().1
+    };
+    assert!(highest(1e9) > highest(50.0) + 1.0);
 }
 
 #[test]

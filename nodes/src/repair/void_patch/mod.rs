@@ -14,7 +14,7 @@ use super::{
     curves::{CurveDetails, Direction},
     feather::{Feather, Joining, feather},
     harmonic_fill::harmonic_fill,
-    thin_plate_fill::thin_plate_fill,
+    thin_plate_fill::{Stiffness, thin_plate_fill},
     voids,
 };
 use crate::filter::chaikin::Boundary;
@@ -64,6 +64,9 @@ pub struct VoidPatch {
     /// The smooth form of patches.
     #[param(default = Smooth::ThinPlate)]
     pub smooth: Smooth,
+    /// How stiff a thin plate is.
+    #[param(flatten)]
+    pub stiff: Stiffness,
     /// Where details come from.
     #[param(default = Kind::Area)]
     pub details: Kind,
@@ -116,7 +119,7 @@ impl Node for VoidPatch {
         }
         let smooth = match (settings.smooth, settings.details) {
             (Smooth::Curves, _) | (_, Kind::Curves) => settings.curves(terrain, job)?,
-            (Smooth::ThinPlate, _) => thin_plate_fill(terrain, None, job)?,
+            (Smooth::ThinPlate, _) => thin_plate_fill(terrain, None, settings.stiff, job)?,
             (Smooth::Harmonic, _) => harmonic_fill(terrain, None, job)?,
         };
         let (patch, report) = match settings.details {
