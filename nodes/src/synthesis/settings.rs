@@ -35,11 +35,32 @@ impl Manner {
     }
 }
 
+/// What candidates for a place are judged by beside the costs that the paper prints: the terms that it leaves to the user,
+/// each with a weight of its own. A weight of 0 leaves a term out.
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
+pub struct UserTerms {
+    /// Weight of wanted heights: a patch whose ground lies a tenth of the exemplar's height range off before it is lifted
+    /// costs 1. Counts where heights are wanted within a quarter of a patch from its centre.
+    #[param(default = 1.0, range = 0.0..=10_000.0, slider = 0.0..=10.0, unit = "1")]
+    pub wanted_heights: f64,
+    /// Weight of bends between the lines of neighbouring patches: a right angle costs 1. More of it gives smoother lines
+    /// from fewer fitting patches.
+    #[param(default = 0.0, range = 0.0..=10_000.0, slider = 0.0..=50.0, unit = "1")]
+    pub tangents: f64,
+    /// Weight of closed depressions that a patch makes together with the ground around it: a hundredth of its cells that
+    /// lie deeper in them than a usual step between cells of the exemplar costs 1.
+    #[param(default = 0.0, range = 0.0..=10_000.0, slider = 0.0..=10.0, unit = "1")]
+    pub pits: f64,
+}
+
 /// The seed of a node's choices and the run's, as one. Kept apart from [`Chance::key`]: mixed its way, graphs would make
 /// other terrain than they did.
 pub(super) fn seed_of(chance: Chance, job: &Job) -> u64 {
     mix64(chance.seed ^ mix64(job.seed()))
 }
+
+/// Of how many of the best candidates one is drawn, unless told otherwise.
+pub(super) const VARIETY: u32 = 3;
 
 /// The order in which patches are placed.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,6 +104,12 @@ pub struct Rules {
     pub margin: usize,
     /// Whether patches may be mirrored.
     pub mirror: bool,
+    /// Of how many of the best candidates for a place one is drawn.
+    pub variety: usize,
+    /// How far borders between styles waver, in quarters of a patch.
+    pub transition: f64,
+    /// Weights of what the paper leaves to the user.
+    pub terms: UserTerms,
     /// Weight of each earlier use of a source window.
     pub repetition: f64,
     /// Most uses of a source window while others are left.
@@ -111,6 +138,9 @@ impl Rules {
             grow: 0,
             margin: if strict { 0 } else { patch / 10 },
             mirror: true,
+            variety: if strict { 1 } else { VARIETY as usize },
+            transition: 0.0,
+            terms: UserTerms::default(),
             repetition: if strict { 0.0 } else { 0.25 },
             max_uses: if strict { usize::MAX } else { 8 },
             seed: 0,
