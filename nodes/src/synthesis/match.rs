@@ -57,7 +57,7 @@ pub struct MatchOut {
 
 impl Node for Match {
     const ID: &'static str = "synthesis.match";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 counts bends at joins, and falls back in more ways
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = MatchIn<'a>;
     type Outputs = MatchOut;
@@ -70,14 +70,11 @@ impl Node for Match {
         inputs.exemplar.grid().match_size("exemplar", &inputs.features.grid, "features")?;
         let exemplars = [Exemplar::new(inputs.exemplar, job)?];
         let n = self.candidates as usize;
-        let rules = Rules {
-            n_branch: n,
-            n_path: n,
-            n_cut: n,
-            variety: 1,
-            terms: self.terms,
-            ..self.manner.rules(usize::MAX)
-        };
+        let mut rules =
+            Rules { n_branch: n, n_path: n, n_cut: n, variety: 1, ..self.manner.rules(usize::MAX) };
+        if !rules.strict() {
+            rules.terms = self.terms;
+        }
         let mut canvas = Canvas::new(inputs.sketch.grid.size(), job)?;
         if let Some(ground) = inputs.ground {
             inputs.sketch.grid.match_size("sketch", ground.grid(), "ground")?;

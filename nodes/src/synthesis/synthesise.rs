@@ -66,7 +66,7 @@ pub struct Synthesise {
     #[param(flatten)]
     pub terms: UserTerms,
     /// Of how many of the best candidates for a place one is drawn by the seed; 1 always takes the best. The worse a
-    /// candidate, the less often it is drawn, and never if it costs half as much again as the best.
+    /// candidate, the less often it is drawn, and never if it costs a fifth more than the best.
     #[param(default = VARIETY, range = 1..=64, slider = 1..=12, unit = "1")]
     pub variety: u32,
     /// How far borders between styles waver, where 1 is a quarter of a patch; 0 leaves them as the label map has them.
@@ -130,8 +130,8 @@ impl Node for Synthesise {
             rules.crest = self.crest;
             rules.repetition = self.repetition;
             rules.variety = self.variety as usize;
+            rules.terms = self.terms;
         }
-        rules.terms = self.terms;
         rules.transition = self.transition;
         let (terrain, placement, counts) = synthesise(&inputs, &rules, self.order, job)?;
         let report = counts.table()?;
