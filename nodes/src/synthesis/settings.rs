@@ -21,7 +21,7 @@ pub enum Preset {
 /// Whose rules are followed, and on what scale.
 #[derive(Params, Clone, Copy, Debug, PartialEq)]
 pub struct Manner {
-    /// Whose rules are followed; the paper's own override lift, seams, repetition, variety and the user's terms where a node
+    /// Whose rules are followed. The paper's own override lift, seams, repetition, variety and the user's terms where a node
     /// has them.
     #[param(default = Preset::Default)]
     pub preset: Preset,
@@ -41,16 +41,16 @@ impl Manner {
 /// each with a weight of its own. A weight of 0 leaves a term out. The published rules have none of them.
 #[derive(Params, Clone, Copy, Debug, PartialEq)]
 pub struct UserTerms {
-    /// Weight of wanted heights: a patch whose ground lies a tenth of the exemplar's height range off before it is lifted
-    /// costs 1. Counts where heights are wanted within a quarter of a patch from its centre. Much of it takes the few
-    /// patches of that height, whatever else is wrong with them.
+    /// Weight of wanted heights: 1 for ground a tenth of the exemplar's height range off. That is before it is lifted, and
+    /// where heights are wanted within a quarter of a patch from its centre. Much of it takes the few patches of that
+    /// height, whatever else is wrong with them.
     #[param(default = 0.3, range = 0.0..=10_000.0, slider = 0.0..=10.0, unit = "1")]
     pub wanted_heights: f64,
     /// Weight of bends between the lines of neighbouring patches: a right angle costs 1. Lines break less often with it.
     #[param(default = 10.0, range = 0.0..=10_000.0, slider = 0.0..=50.0, unit = "1")]
     pub tangents: f64,
-    /// Weight of closed depressions that a patch makes together with the ground around it: a hundredth of its cells that
-    /// lie deeper in them than a usual step between cells of the exemplar costs 1. Most depressions lie off the lines, where
+    /// Weight of closed depressions where a patch is pasted: 1 for a hundredth of its window's cells. Those count that lie
+    /// deeper in them than a usual step between cells of the exemplar. Most depressions lie off the lines, where
     /// `repair.breach_depressions` helps more.
     #[param(default = 0.0, range = 0.0..=10_000.0, slider = 0.0..=10.0, unit = "1")]
     pub pits: f64,
