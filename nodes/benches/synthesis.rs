@@ -118,6 +118,7 @@ fn whole(bencher: Bencher<'_, '_>, side: usize) {
         features: vec![&lines],
         styles: None,
         given: None,
+        constraints: None,
     };
     let rules = Rules::of(Preset::Default, 80);
     bencher

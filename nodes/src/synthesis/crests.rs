@@ -54,7 +54,7 @@ pub(super) fn raise(
                 .iter()
                 .map(|station| {
                     let wanted = wanted(station.at);
-                    (wanted - station.fall(canvas, sign, unit)).clamp(0.0, MOST * wanted.max(0.0))
+                    station.lack(canvas, sign, unit, wanted).clamp(0.0, MOST * wanted.max(0.0))
                 })
                 .collect();
             for (station, lack) in stations.iter().zip(smooth(&lacks, unit)) {
@@ -93,9 +93,19 @@ fn stations(chain: &Chain) -> Vec<Station> {
 }
 
 impl Station {
-    /// How far the ground falls on the less steep side, each height being the mean of five cells along the line. Infinite
-    /// beside the border, where there is nothing to compare with.
-    fn fall(&self, canvas: &Canvas, sign: f64, unit: f64) -> f64 {
+    /// How much more the place should stand out by: the ground is to fall by `wanted` on both sides, and no crest close
+    /// beside the line is to overtop it. Nothing beside the border, where there is nothing to compare with.
+    fn lack(&self, canvas: &Canvas, sign: f64, unit: f64, wanted: f64) -> f64 {
+        let Some(heights) = self.across(canvas, sign, unit) else { return 0.0 };
+        let crest = heights[3].max(heights[4]).max(heights[5]);
+        let beside =
+            [1, 2, 6, 7].map(|i| f64::from(heights[i])).into_iter().fold(f64::NEG_INFINITY, f64::max);
+        let overtopped = beside - f64::from(crest);
+        (wanted - fall(|i| heights[i])).max(overtopped)
+    }
+
+    /// Heights across the line, each the mean of five cells along it; `None` beside the border.
+    fn across(&self, canvas: &Canvas, sign: f64, unit: f64) -> Option<[f32; ACROSS.len()]> {
         let [down, across] = self.along;
         let mean = |i: usize| {
             let by = ACROSS[i] * unit;
@@ -104,7 +114,7 @@ impl Station {
             sign as f32 * sum / 5.0
         };
         let heights: [f32; ACROSS.len()] = std::array::from_fn(mean);
-        if heights.iter().any(|height| height.is_nan()) { f64::INFINITY } else { fall(|i| heights[i]) }
+        heights.iter().all(|height| !height.is_nan()).then_some(heights)
     }
 
     /// Notes `lack` at the place, and less of it around up to `reach` cells, where nothing more is noted.
@@ -160,7 +170,10 @@ mod tests {
 
     fn falls(canvas: &Canvas, network: &Network) -> Vec<f64> {
         let sign = if network.kind == FeatureKind::Ridge { 1.0 } else { -1.0 };
-        stations(&network.chains[0]).iter().map(|station| station.fall(canvas, sign, 5.0)).collect()
+        let fall = |station: &Station| {
+            station.across(canvas, sign, 5.0).map_or(f64::INFINITY, |heights| fall(|i| heights[i]))
+        };
+        stations(&network.chains[0]).iter().map(fall).collect()
     }
 
     #[test]

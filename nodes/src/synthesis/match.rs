@@ -9,9 +9,10 @@ use super::{
     matching::{Scene, Uses, choose},
     network::Network,
     patches::extract,
-    settings::{Manner, Rules},
+    settings::{Manner, Rules, UserTerms},
     synthesise::output_grid,
 };
+use crate::adjust::elevation_constraints::Wanted;
 
 /// Ranks what an exemplar has to offer for one place of a sketch, beside the ground that is there.
 #[derive(Params, Clone, Debug)]
@@ -25,6 +26,9 @@ pub struct Match {
     /// Candidates that are ranked.
     #[param(default = 10u32, range = 1..=1000, slider = 1..=50, unit = "1")]
     pub candidates: u32,
+    /// What candidates are judged by beside the paper's costs.
+    #[param(flatten)]
+    pub terms: UserTerms,
 }
 
 /// Inputs of [`Match`].
@@ -38,6 +42,8 @@ pub struct MatchIn<'a> {
     pub features: &'a Features,
     /// Ground that is there already, on the sketch's grid; nothing when unconnected.
     pub ground: Option<&'a Heightfield>,
+    /// Wanted heights, on the sketch's grid, void where the terrain is free.
+    pub constraints: Option<&'a Heightfield>,
 }
 
 /// Outputs of [`Match`].
@@ -51,7 +57,7 @@ pub struct MatchOut {
 
 impl Node for Match {
     const ID: &'static str = "synthesis.match";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 counts bends at joins, and falls back in more ways
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = MatchIn<'a>;
     type Outputs = MatchOut;
@@ -64,13 +70,18 @@ impl Node for Match {
         inputs.exemplar.grid().match_size("exemplar", &inputs.features.grid, "features")?;
         let exemplars = [Exemplar::new(inputs.exemplar, job)?];
         let n = self.candidates as usize;
-        let rules = Rules { n_branch: n, n_path: n, n_cut: n, ..self.manner.rules(usize::MAX) };
+        let mut rules =
+            Rules { n_branch: n, n_path: n, n_cut: n, variety: 1, ..self.manner.rules(usize::MAX) };
+        if !rules.strict() {
+            rules.terms = self.terms;
+        }
         let mut canvas = Canvas::new(inputs.sketch.grid.size(), job)?;
         if let Some(ground) = inputs.ground {
             inputs.sketch.grid.match_size("sketch", ground.grid(), "ground")?;
             canvas.lay(ground);
         }
         let grid = output_grid(&inputs.sketch.grid, &exemplars[0], job);
+        let wanted = Wanted::of(&grid, inputs.constraints, None, job)?;
         let mut patch = Heightfield::filled(grid, f32::NAN, job)?;
         let network = Network::new(inputs.features, exemplars[0].scale);
         let pool = extract(&network, 0, &exemplars[0].terrain, &exemplars[0].voids, &rules, job)?;
@@ -83,9 +94,10 @@ impl Node for Match {
                 exemplars: &exemplars,
                 kind: inputs.sketch.kind,
                 uses: &uses,
+                wanted: &wanted,
                 rules: &rules,
             };
-            match choose(site, &pool, &scene, job)? {
+            match choose(site, &pool, &scene, 0.0, job)? {
                 Some(chosen) => {
                     for (i, &height) in chosen.piece.sheet.heights.iter().enumerate() {
                         patch.cells_mut()[canvas.index(&chosen.piece.sheet.window, i)] = height;

@@ -7,17 +7,22 @@
 use std::collections::VecDeque;
 
 use orograph_core::prelude::*;
+use orograph_core::{key, unit};
 use rayon::prelude::*;
 
 use super::{
     canvas::{Canvas, Window},
     exemplar::Exemplar,
-    matching::{Choice, Scene, Uses, choose},
+    matching::{Choice, Fallback, Scene, Uses, choose, split},
     network::{Network, Role, Site},
     patches::Pool,
+    report::Report,
     settings::{Order, Rules},
-    synthesise::Report,
 };
+use crate::adjust::elevation_constraints::Wanted;
+
+/// Draws among the best candidates.
+const STREAM: u64 = 0x7661_7269_616E_7473;
 
 /// Most places served together, and how far down the plan they are looked for. Numbers of their own, so that no result
 /// depends on that of threads.
@@ -55,6 +60,10 @@ pub(super) struct Placing<'a> {
     pub(super) uses: &'a mut Uses,
     /// What is counted.
     pub(super) report: &'a mut Report,
+    /// Heights that the terrain should have.
+    pub(super) wanted: &'a Wanted,
+    /// Sketches followed so far.
+    pub(super) sketches: u32,
     /// Centres of the places served so far.
     pub(super) cores: Vec<[f64; 2]>,
 }
@@ -70,48 +79,74 @@ impl Placing<'_> {
         rules: &Rules,
         job: &Job<'_>,
     ) -> Result<()> {
-        let mut plan = sketch.plan(rules.patch as f64);
+        let mut plan: Vec<(usize, Site)> = sketch.plan(rules.patch as f64).into_iter().enumerate().collect();
         if order == Order::RasterItems {
             let band = |site: &Site| (site.center[0] / (rules.patch as f64 / 2.0)).floor();
-            plan.sort_by(|a, b| band(a).total_cmp(&band(b)).then(a.center[1].total_cmp(&b.center[1])));
+            plan.sort_by(|(_, a), (_, b)| {
+                band(a).total_cmp(&band(b)).then(a.center[1].total_cmp(&b.center[1]))
+            });
         }
         let n_planned = plan.len();
         self.report.planned += n_planned;
-        let mut waiting: VecDeque<(Site, Window)> = plan
+        // By its number in the plan along the tree, so that neither the order of placement nor what is served together
+        // has a say in what a place draws.
+        let sketches = i64::from(self.sketches);
+        let chance = |number: usize, part: usize| {
+            let parts = sketches << 32 | part as i64;
+            unit(key(rules.seed, STREAM, number as i64, parts))
+        };
+        let mut waiting: VecDeque<Waiting> = plan
             .into_iter()
-            .filter_map(|site| self.window(&site, rules).map(|window| (site, window)))
+            .filter_map(|(number, site)| {
+                let window = self.window(&site, rules)?;
+                Some(Waiting { number, chance: chance(number, 0), window, site })
+            })
             .collect();
+        self.sketches += 1;
         let stage = job.stage(n_planned as u64);
         stage.advance((n_planned - waiting.len()) as u64);
         while !waiting.is_empty() {
             job.check()?;
-            let round = round(&waiting, |window| window.grown(rules.margin + 1, self.canvas.size));
+            let round = round(waiting.iter().map(|place| &place.window), |window| {
+                window.grown(rules.margin + 1, self.canvas.size)
+            });
             let scene = Scene {
                 canvas: self.canvas,
                 exemplars: sources.exemplars,
                 kind: sketch.kind,
                 uses: self.uses,
+                wanted: self.wanted,
                 rules,
             };
-            let found: Vec<Option<(Choice, Vec<f64>)>> = round
+            let found: Vec<Found> = round
                 .par_iter()
                 .map(|&at| {
-                    let (site, window) = &waiting[at];
-                    let choice = place(site, &sources.styles[style(scene.canvas, window)], &scene, job)?;
-                    let fit = |choice: Choice| {
-                        scene.canvas.fit(&choice.piece, rules, job).map(|added| (choice, added))
-                    };
-                    choice.map(fit).transpose()
+                    let Waiting { window, .. } = &waiting[at];
+                    place(&waiting[at], &sources.styles[style(scene.canvas, window)], &scene, job)
                 })
                 .collect::<Result<_>>()?;
-            let mut served = Vec::with_capacity(round.len());
+            // Which are done with, and the places that come in their stead.
+            let mut served: Vec<(usize, Vec<Waiting>)> = Vec::with_capacity(round.len());
             let mut taken = Uses::default();
             for (&at, found) in round.iter().zip(found) {
-                let site = &waiting[at].0;
-                let Some((Choice { piece, .. }, added)) = found else {
-                    self.report.unmatched += 1;
-                    served.push(at);
-                    continue;
+                let Waiting { site, number, window, .. } = &waiting[at];
+                let (Choice { piece, fallback, .. }, added) = match found {
+                    Found::Patch(choice, added) => (*choice, added),
+                    Found::Paths(paths) => {
+                        self.report.branches_split += 1;
+                        self.report.planned += paths.len() - 1;
+                        let path = |(part, site)| {
+                            let chance = chance(*number, part + 1);
+                            Waiting { number: *number, chance, window: *window, site }
+                        };
+                        served.push((at, paths.into_iter().enumerate().map(path).collect()));
+                        continue;
+                    }
+                    Found::Nothing => {
+                        self.report.unmatched += 1;
+                        served.push((at, Vec::new()));
+                        continue;
+                    }
                 };
                 let (which, center) = (piece.patch.exemplar as usize, piece.patch.source_center);
                 if taken.near(which, center, rules.patch as f64 / 2.0) > 0 {
@@ -122,13 +157,19 @@ impl Placing<'_> {
                 self.uses.add(which, center);
                 self.report.seam += piece.seam.mean_cost();
                 self.report.placed[role_of(site)] += 1;
+                match fallback {
+                    Fallback::None => {}
+                    Fallback::ArmIgnored => self.report.arms_ignored += 1,
+                    Fallback::ArmUnmatched => self.report.arms_unmatched += 1,
+                }
                 self.canvas.paste(piece, &added);
                 self.cores.push(site.center);
-                served.push(at);
+                served.push((at, Vec::new()));
             }
-            stage.advance(served.len() as u64);
-            for at in served.into_iter().rev() {
+            for (at, instead) in served.into_iter().rev() {
                 waiting.remove(at);
+                stage.advance(u64::from(instead.is_empty()));
+                instead.into_iter().rev().for_each(|place| waiting.insert(at, place));
             }
         }
         Ok(())
@@ -148,10 +189,10 @@ impl Placing<'_> {
 }
 
 /// Which of those that wait are served together: the first, and those that touch none that comes before them.
-fn round(waiting: &VecDeque<(Site, Window)>, touched: impl Fn(&Window) -> Window) -> Vec<usize> {
+fn round<'a>(waiting: impl Iterator<Item = &'a Window>, touched: impl Fn(&Window) -> Window) -> Vec<usize> {
     let mut round = Vec::new();
     let mut before: Vec<Window> = Vec::new();
-    for (at, (_, window)) in waiting.iter().enumerate().take(AHEAD) {
+    for (at, window) in waiting.enumerate().take(AHEAD) {
         let window = touched(window);
         if !before.iter().any(|other| other.touches(&window)) {
             round.push(at);
@@ -181,27 +222,34 @@ fn is_given(canvas: &Canvas, site: &Site) -> bool {
     inside && canvas.is_frozen(row as usize * cols + col as usize)
 }
 
-/// What goes to a place: a patch, or a path through a branch that no candidate fits, or nothing.
-fn place(site: &Site, style: &Style, scene: &Scene<'_>, job: &Job<'_>) -> Result<Option<Choice>> {
-    let Some(pool) = style.pool(scene.kind) else { return Ok(None) };
-    if let Some(chosen) = choose(site, pool, scene, job)? {
-        return Ok(Some(chosen));
+/// A place that is still to be served.
+struct Waiting {
+    /// Its number in the plan.
+    number: usize,
+    /// What decides among the best candidates.
+    chance: f64,
+    window: Window,
+    site: Site,
+}
+
+/// What goes to a place.
+enum Found {
+    /// A patch, and what spreads its seam.
+    Patch(Box<Choice>, Vec<f64>),
+    /// Paths in place of a branch that no candidate fits.
+    Paths(Vec<Site>),
+    Nothing,
+}
+
+/// What goes to a place.
+fn place(place: &Waiting, style: &Style, scene: &Scene<'_>, job: &Job<'_>) -> Result<Found> {
+    let Some(pool) = style.pool(scene.kind) else { return Ok(Found::Nothing) };
+    if let Some(choice) = choose(&place.site, pool, scene, place.chance, job)? {
+        let added = scene.canvas.fit(&choice.piece, scene.rules, job)?;
+        return Ok(Found::Patch(Box::new(choice), added));
     }
-    if site.role == Role::Path || site.arms.len() < 2 {
-        return Ok(None);
+    if place.site.role == Role::Branch && !pool.paths.is_empty() {
+        return Ok(Found::Paths(split(&place.site)));
     }
-    // The straightest way through.
-    let (mut best, mut pair) = (f64::INFINITY, [0, 1]);
-    for a in 0..site.arms.len() {
-        for b in a + 1..site.arms.len() {
-            let apart = (site.arms[a].angle() - site.arms[b].angle()).abs();
-            let bent = (apart - std::f64::consts::PI).abs();
-            if bent < best {
-                (best, pair) = (bent, [a, b]);
-            }
-        }
-    }
-    let through =
-        Site { role: Role::Path, center: site.center, arms: pair.map(|arm| site.arms[arm].clone()).into() };
-    choose(&through, pool, scene, job)
+    Ok(Found::Nothing)
 }

@@ -13,14 +13,16 @@ pub enum Preset {
     /// them, seams that keep their slope.
     Default,
     /// Zhou et al. 2007 to the letter: three control points to a path, costs in metres with the published weights, no
-    /// lifting, seams without slope.
+    /// lifting, seams without slope. Patches keep their crests where they were drawn, but what fills the rest may replace the
+    /// ground from a sixteenth of a patch beside a line, so other crests come to lie close by and lines stand out less.
     PaperStrict,
 }
 
 /// Whose rules are followed, and on what scale.
 #[derive(Params, Clone, Copy, Debug, PartialEq)]
 pub struct Manner {
-    /// Whose rules are followed; the paper's own override lift, seams and repetition where a node has them.
+    /// Whose rules are followed. The paper's own override lift, seams, repetition, variety and the user's terms where a node
+    /// has them.
     #[param(default = Preset::Default)]
     pub preset: Preset,
     /// The patches.
@@ -35,11 +37,38 @@ impl Manner {
     }
 }
 
+/// What candidates for a place are judged by beside the costs that the paper prints: the terms that it leaves to the user,
+/// each with a weight of its own. A weight of 0 leaves a term out. The published rules have none of them.
+#[derive(Params, Clone, Copy, Debug, PartialEq)]
+pub struct UserTerms {
+    /// Weight of wanted heights: 1 for ground a tenth of the exemplar's height range off. That is before it is lifted, and
+    /// where heights are wanted within a quarter of a patch from its centre. Much of it takes the few patches of that
+    /// height, whatever else is wrong with them.
+    #[param(default = 0.3, range = 0.0..=10_000.0, slider = 0.0..=10.0, unit = "1")]
+    pub wanted_heights: f64,
+    /// Weight of bends between the lines of neighbouring patches: a right angle costs 1. Lines break less often with it.
+    #[param(default = 10.0, range = 0.0..=10_000.0, slider = 0.0..=50.0, unit = "1")]
+    pub tangents: f64,
+    /// Weight of closed depressions where a patch is pasted: 1 for a hundredth of its window's cells. Those count that lie
+    /// deeper in them than a usual step between cells of the exemplar. Most depressions lie off the lines, where
+    /// `repair.breach_depressions` helps more.
+    #[param(default = 0.0, range = 0.0..=10_000.0, slider = 0.0..=10.0, unit = "1")]
+    pub pits: f64,
+}
+
+impl UserTerms {
+    /// None of them.
+    pub const NONE: Self = Self { wanted_heights: 0.0, tangents: 0.0, pits: 0.0 };
+}
+
 /// The seed of a node's choices and the run's, as one. Kept apart from [`Chance::key`]: mixed its way, graphs would make
 /// other terrain than they did.
 pub(super) fn seed_of(chance: Chance, job: &Job) -> u64 {
     mix64(chance.seed ^ mix64(job.seed()))
 }
+
+/// Of how many of the best candidates one is drawn, unless told otherwise.
+pub(super) const VARIETY: u32 = 3;
 
 /// The order in which patches are placed.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,6 +112,12 @@ pub struct Rules {
     pub margin: usize,
     /// Whether patches may be mirrored.
     pub mirror: bool,
+    /// Of how many of the best candidates for a place one is drawn.
+    pub variety: usize,
+    /// How far borders between styles waver, in quarters of a patch.
+    pub transition: f64,
+    /// Weights of what the paper leaves to the user.
+    pub terms: UserTerms,
     /// Weight of each earlier use of a source window.
     pub repetition: f64,
     /// Most uses of a source window while others are left.
@@ -111,6 +146,9 @@ impl Rules {
             grow: 0,
             margin: if strict { 0 } else { patch / 10 },
             mirror: true,
+            variety: if strict { 1 } else { VARIETY as usize },
+            transition: 0.0,
+            terms: if strict { UserTerms::NONE } else { UserTerms::default() },
             repetition: if strict { 0.0 } else { 0.25 },
             max_uses: if strict { usize::MAX } else { 8 },
             seed: 0,

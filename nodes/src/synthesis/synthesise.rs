@@ -5,28 +5,33 @@
 //! filled with windows of the exemplar. The departures are told where the steps are.
 
 use orograph_core::prelude::*;
-use orograph_core::{Placement, Unit};
+use orograph_core::{Placement, mix64};
 
 use super::{
     canvas::{Canvas, Window},
-    crests::{self, Raised},
+    crests,
     cut::SeamWeight,
     exemplar::Exemplar,
-    fill_windows::{self, Counts, Layout},
+    fill_windows::{self, Layout},
     gradient_merge::merge,
+    labels::{label, main_style, waver},
     matching::Uses,
     network::Network,
     patches::extract,
     placing::{Placing, Sources, Style},
-    settings::{Manner, Order, Rules, seed_of},
+    report::{Off, Report},
+    settings::{Manner, Order, Rules, UserTerms, VARIETY, seed_of},
     ssd::Searcher,
 };
-use crate::Chance;
+use crate::{Chance, adjust::elevation_constraints::Wanted};
+
+/// Noise that moves borders between styles.
+const STREAM: u64 = 0x626F_7264_6572_7300;
 
 /// Makes terrain from a sketch of its ridges or valleys and an exemplar whose ground it takes.
 ///
 /// The output has the sketch's rows and columns and the exemplar's cells; a georeferenced sketch keeps its own. Several exemplars are styles: a label map says
-/// which goes where. Without any line in the sketch the exemplar's ground is continued everywhere.
+/// which goes where. Each seed gives another variant, unless `variety` is 1. Without any line in the sketch the exemplar's ground is continued everywhere.
 #[derive(Params, Clone, Debug)]
 pub struct Synthesise {
     /// Whose rules are followed, and on what scale.
@@ -57,6 +62,16 @@ pub struct Synthesise {
     /// Weight of each earlier use of the same ground.
     #[param(default = 0.25, range = 0.0..=100.0, slider = 0.0..=2.0, unit = "1")]
     pub repetition: f64,
+    /// What candidates are judged by beside the paper's costs.
+    #[param(flatten)]
+    pub terms: UserTerms,
+    /// Of how many of the best candidates for a place one is drawn by the seed; 1 always takes the best. The worse a
+    /// candidate, the less often it is drawn, and never if it costs a fifth more than the best.
+    #[param(default = VARIETY, range = 1..=64, slider = 1..=12, unit = "1")]
+    pub variety: u32,
+    /// How far borders between styles waver, where 1 is a quarter of a patch; 0 leaves them as the label map has them.
+    #[param(default = 0.0, range = 0.0..=4.0, slider = 0.0..=1.0, unit = "1")]
+    pub transition: f64,
     /// What is left to chance.
     #[param(flatten)]
     pub chance: Chance,
@@ -75,6 +90,9 @@ pub struct SynthesiseIn<'a> {
     pub styles: Option<&'a Heightfield>,
     /// Ground that is there already and stays, on the sketch's grid; voids are to be made.
     pub given: Option<&'a Heightfield>,
+    /// Wanted heights, on the sketch's grid, void where the terrain is free. Patches along lines are chosen and lifted for
+    /// them; `adjust.elevation_constraints` then bends the terrain to meet them.
+    pub constraints: Option<&'a Heightfield>,
 }
 
 /// Outputs of [`Synthesise`].
@@ -90,7 +108,7 @@ pub struct SynthesiseOut {
 
 impl Node for Synthesise {
     const ID: &'static str = "synthesis.synthesise";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 draws among the best patches, and falls back in more ways
     const EXTENT: Extent = Extent::Global;
     const READS: &'static [ContextItem] = &[ContextItem::Seed];
     type Inputs<'a> = SynthesiseIn<'a>;
@@ -111,48 +129,13 @@ impl Node for Synthesise {
             rules.lift = Some(self.lift);
             rules.crest = self.crest;
             rules.repetition = self.repetition;
+            rules.variety = self.variety as usize;
+            rules.terms = self.terms;
         }
+        rules.transition = self.transition;
         let (terrain, placement, counts) = synthesise(&inputs, &rules, self.order, job)?;
         let report = counts.table()?;
         Ok(SynthesiseOut { terrain, placement, report })
-    }
-}
-
-/// What was placed.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Report {
-    /// Places planned.
-    pub planned: usize,
-    /// Patches placed, by role: branches, ends, paths.
-    pub placed: [usize; 3],
-    /// Places that no candidate fitted.
-    pub unmatched: usize,
-    /// Candidates left out at the exemplar's rim or beside voids.
-    pub left_out: usize,
-    /// Mean mismatch along the features' seams before they were removed, in metres.
-    pub seam: f64,
-    /// What was filled.
-    pub fill: Counts,
-    /// What was raised so that lines stand out.
-    pub raised: Raised,
-}
-
-impl Report {
-    fn table(&self) -> Result<Table> {
-        let n = |n: usize| n as f64;
-        Table::metrics([
-            ("planned", Unit::One, n(self.planned)),
-            ("branches", Unit::One, n(self.placed[0])),
-            ("ends", Unit::One, n(self.placed[1])),
-            ("paths", Unit::One, n(self.placed[2])),
-            ("unmatched", Unit::One, n(self.unmatched)),
-            ("candidates_left_out", Unit::One, n(self.left_out)),
-            ("seam_mismatch", Unit::Metre, self.seam),
-            ("fill_windows", Unit::One, n(self.fill.pasted)),
-            ("smoothed_cells", Unit::Cell, n(self.fill.smoothed)),
-            ("raised_cells", Unit::Cell, n(self.raised.cells)),
-            ("most_raised", Unit::Metre, self.raised.most),
-        ])
     }
 }
 
@@ -190,7 +173,17 @@ pub fn synthesise(
     }
     let mut report = Report::default();
     let styles = styles(inputs, &exemplars, rules, &mut report, job)?;
-    let style_of = |canvas: &Canvas, window: &Window| match inputs.styles {
+    let wavering = match inputs.styles {
+        Some(labels) if rules.transition > 0.0 => {
+            let patch = rules.patch as f64;
+            let seed = mix64(rules.seed ^ STREAM);
+            Some(waver(labels, &grid, rules.transition * patch / 4.0, patch, seed, job)?)
+        }
+        _ => None,
+    };
+    let labels = wavering.as_ref().or(inputs.styles);
+    let wanted = Wanted::of(&grid, inputs.constraints, None, job)?;
+    let style_of = |canvas: &Canvas, window: &Window| match labels {
         Some(labels) => main_style(canvas, window, labels, exemplars.len()),
         None => 0,
     };
@@ -203,14 +196,18 @@ pub fn synthesise(
         inputs.sketches.iter().map(|sketch| Network::new(sketch, [1.0; 2])).collect();
     if order != Order::Raster {
         let ground = Sources { exemplars: &exemplars, styles: &styles };
-        let mut placing =
-            Placing { canvas: &mut canvas, uses: &mut uses, report: &mut report, cores: Vec::new() };
+        let mut placing = Placing {
+            canvas: &mut canvas,
+            uses: &mut uses,
+            report: &mut report,
+            wanted: &wanted,
+            sketches: 0,
+            cores: Vec::new(),
+        };
         for sketch in &networks {
             placing.follow(sketch, &ground, &style_of, order, rules, job)?;
         }
-        if report.unmatched > 0 {
-            job.warn(format!("{} places of the sketch found no patch that fits", report.unmatched));
-        }
+        report.tell(job);
     }
     report.seam /= (report.placed.iter().sum::<usize>() as f64).max(1.0);
     let searchers: Vec<Searcher<'_>> = exemplars
@@ -231,7 +228,7 @@ pub fn synthesise(
         for sketch in &networks {
             let style = |[row, col]: [f64; 2]| {
                 let at = (row as usize).min(size.0 - 1) * size.1 + (col as usize).min(size.1 - 1);
-                inputs.styles.map_or(0, |labels| label(labels.cells()[at], exemplars.len()))
+                labels.map_or(0, |labels| label(labels.cells()[at], exemplars.len()))
             };
             let wanted =
                 |at| styles[style(at)].pool(sketch.kind).map_or(0.0, |pool| rules.crest * pool.prominence);
@@ -240,6 +237,7 @@ pub fn synthesise(
             report.raised.most = report.raised.most.max(raised.most);
         }
     }
+    report.off = Off::of(&canvas.heights, &wanted);
     let (terrain, placement) = canvas.finish(grid, &exemplars)?;
     Ok((terrain, placement, report))
 }
@@ -284,25 +282,6 @@ fn layout(rules: &Rules, order: Order, drawn: bool, exemplars: &[Exemplar]) -> L
     let step = rules.fill_step().min((side * 2 / 3).max(1));
     let most_lines = if drawn { side as f64 / 4.0 } else { f64::INFINITY };
     Layout { side, step, raster: false, most_lines }
-}
-
-/// The style of most of a window's unknown cells; of equals the least.
-fn main_style(canvas: &Canvas, window: &Window, labels: &Heightfield, n: usize) -> usize {
-    let mut counts = vec![0_usize; n];
-    for i in 0..window.len() {
-        let at = canvas.index(window, i);
-        let number = labels.cells()[at];
-        if canvas.heights[at].is_nan() && number >= 0.0 {
-            counts[label(number, n)] += 1;
-        }
-    }
-    let most = counts.iter().copied().max().unwrap_or(0);
-    counts.iter().position(|&count| count == most).unwrap_or(0)
-}
-
-/// The style that a cell of the label map names; the last for numbers beyond, the first for none.
-fn label(number: f32, n: usize) -> usize {
-    ((number + 0.5).max(0.0) as usize).min(n - 1)
 }
 
 /// Networks and pools of each exemplar. A network belongs to the first exemplar of its grid that has none of its kind.

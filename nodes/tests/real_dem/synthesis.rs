@@ -88,6 +88,7 @@ fn recall(exemplar: &Heightfield, stroke: f64, patch: u32) -> Result<f64, String
             features: vec![&found],
             styles: None,
             given: None,
+            constraints: None,
         };
         let terrain = Synthesise { manner, ..Synthesise::default() }.run(inputs, &job)?.terrain;
         let measure = Adherence { patches, ..Adherence::default() };

@@ -82,6 +82,12 @@ impl Wanted {
         self.0.is_empty()
     }
 
+    /// Those of a run of cells.
+    pub(crate) fn within(&self, cells: std::ops::Range<usize>) -> impl Iterator<Item = (usize, f32)> + '_ {
+        let at = |cell: usize| self.0.partition_point(|&(own, _)| own < cell);
+        self.0[at(cells.start)..at(cells.end.max(cells.start))].iter().copied()
+    }
+
     /// Each cell and its height.
     pub fn iter(&self) -> impl Iterator<Item = (usize, f32)> + '_ {
         self.0.iter().copied()

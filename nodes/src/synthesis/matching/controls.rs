@@ -3,7 +3,7 @@
 use libm::hypot;
 
 use crate::synthesis::{
-    network::{Role, Site},
+    network::Site,
     settings::Rules,
     tps::{Basis, Point},
 };
@@ -68,10 +68,11 @@ pub(super) fn is_straight(site: &Site, rules: &Rules) -> bool {
     cross.abs() < 0.02 * rules.radius() * rules.radius()
 }
 
-/// The ways to pair `n` arms with `wanted` arms: cyclic shifts, of all choices of arms when there is one too many.
-pub(super) fn pairings(n: usize, wanted: usize, role: Role) -> Vec<Vec<usize>> {
-    if role != Role::Branch {
-        return if n >= wanted { vec![(0..wanted).collect()] } else { Vec::new() };
+/// The ways to pair `n` arms with `wanted` arms: cyclic shifts, of all choices of arms when there is one too many. Paths
+/// are in their pool in both directions, so as they are.
+pub(super) fn pairings(n: usize, wanted: usize) -> Vec<Vec<usize>> {
+    if n == wanted && n < 3 {
+        return vec![(0..n).collect()];
     }
     let shifts = |arms: Vec<usize>| {
         (0..arms.len()).map(move |shift| {

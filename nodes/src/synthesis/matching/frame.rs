@@ -4,7 +4,7 @@ use libm::hypot;
 use orograph_core::{Job, Result};
 use rayon::prelude::*;
 
-use super::{Fit, Scene, base_cost, probes::Probes};
+use super::{Fit, Scene, base_cost, lift, ponds::ponded, probes::Probes};
 use crate::synthesis::{
     canvas::Window,
     cut::Seam,
@@ -13,6 +13,9 @@ use crate::synthesis::{
     settings::Rules,
     tps::{Basis, Point},
 };
+
+/// Share of a window in closed depressions that costs 1.
+const PONDED: f64 = 0.01;
 
 /// The window of a place, and all that does not depend on the candidate.
 pub(super) struct Frame {
@@ -83,15 +86,15 @@ impl Frame {
                 n += 1.0;
             }
         }
-        let limit = rules.lift.map_or(0.0, |share| share * exemplar.range);
-        let lift = if n > 0.0 { (sum / n).clamp(-limit, limit) } else { 0.0 };
+        let probed = probes.heights(fit, basis, &exemplar.terrain);
+        let lift = lift((n > 0.0).then(|| sum / n), probes.wanted_lift(&probed), exemplar, rules);
         heights.iter_mut().for_each(|height| *height += lift as f32);
         let mismatches = self.old.iter().zip(&heights).map(|(old, new)| f64::from((old - new).abs()));
         let mismatch: f64 = mismatches.filter(|mismatch| !mismatch.is_nan()).sum();
-        let probed = probes.heights(fit, basis, &exemplar.terrain);
         let uses =
             scene.uses.near(fit.candidate.exemplar, fit.candidate.site.center, rules.patch as f64 / 2.0);
-        let base = base_cost(fit, probes, &probed, lift, exemplar, scene) + rules.repetition * uses as f64;
+        let base =
+            base_cost(fit, basis, probes, &probed, lift, exemplar, scene) + rules.repetition * uses as f64;
         let typical = if n > 0.0 && exemplar.step > 0.0 { mismatch / n / exemplar.step } else { 0.0 };
         Ok(Warped { heights, sources, lift, cost: base + typical, base })
     }
@@ -125,6 +128,12 @@ impl Frame {
             }
         } else if exemplar.step > 0.0 {
             cost += seam.mean_cost() / exemplar.step;
+        }
+        if scene.rules.terms.pits > 0.0 {
+            let (ground, cols) = (self.old.iter().zip(&warped.heights).zip(&seam.new), self.window.cols);
+            let ground =
+                ground.map(|((&old, &new), &is_new)| if is_new && !new.is_nan() { new } else { old });
+            cost += scene.rules.terms.pits * ponded(ground.collect(), cols, exemplar.step)? / PONDED;
         }
         Ok((cost, seam))
     }
