@@ -5,6 +5,8 @@
 //! anew. Departures: neighbours are implicit, four to a cell, and as pins are infinitely strong they are roots that never
 //! run dry, so no cell needs terminal capacities.
 
+mod potential_flow;
+
 use std::collections::VecDeque;
 
 use orograph_core::{Error, Job, Result};
@@ -46,7 +48,13 @@ const FREE: u8 = 0;
 const SOURCE: u8 = 1;
 const SINK: u8 = 2;
 
-/// Directions to neighbours: west, north, east, south. The opposite of `d` is `d ^ 2`.
+/// Directions to neighbours. The opposite of `d` is `d ^ 2`.
+const WEST: usize = 0;
+const NORTH: usize = 1;
+const EAST: usize = 2;
+const SOUTH: usize = 3;
+
+/// Parents that are none.
 const NONE: u8 = 4;
 const ROOT: u8 = 5;
 const ORPHAN: u8 = 6;
@@ -69,7 +77,6 @@ struct Search {
     active: VecDeque<u32>,
     orphans: VecDeque<u32>,
     clock: u32,
-    flow: u64,
 }
 
 /// Cells grown between two looks at whether the job was cancelled.
@@ -94,10 +101,27 @@ pub fn min_cut(network: &Network<'_>, job: &Job<'_>) -> Result<MinCut> {
         return Err(Error::TooLarge { what, bytes, limit: u64::from(u32::MAX) });
     }
     let mut search = Search::new(network, rows, cols);
+    potential_flow::set(&mut search.cells, cols + 2);
     search.run(job)?;
     let stride = cols + 2;
     let side = |i: usize| search.cells[(i / cols + 1) * stride + i % cols + 1].tree == SOURCE;
-    Ok(MinCut { source_side: (0..rows * cols).map(side).collect(), flow: search.flow })
+    let source_side: Vec<bool> = (0..rows * cols).map(side).collect();
+    let flow = across(network, &source_side);
+    Ok(MinCut { source_side, flow })
+}
+
+/// The capacity between both sides.
+fn across(network: &Network<'_>, side: &[bool]) -> u64 {
+    let of_row = |(row, cells): (usize, &[bool])| {
+        let right = &network.right[row * network.cols..];
+        let down = &network.down[row * network.cols..];
+        let below = &side[(row + 1) * network.cols..];
+        let across = cells.windows(2).zip(right).filter(|(pair, _)| pair[0] != pair[1]);
+        let across: u64 = across.map(|(_, &capacity)| u64::from(capacity)).sum();
+        let down = cells.iter().zip(below).zip(down).filter(|((a, b), _)| a != b);
+        across + down.map(|(_, &capacity)| u64::from(capacity)).sum::<u64>()
+    };
+    side.chunks(network.cols.max(1)).enumerate().map(of_row).sum()
 }
 
 impl Search {
@@ -132,7 +156,7 @@ impl Search {
             }
         }
         let step = [-1, -(stride as isize), 1, stride as isize];
-        Self { cells, step, active, orphans: VecDeque::new(), clock: 0, flow: 0 }
+        Self { cells, step, active, orphans: VecDeque::new(), clock: 0 }
     }
 
     fn beside(&self, i: usize, direction: usize) -> usize {
@@ -252,7 +276,6 @@ impl Search {
             }
             i = parent;
         }
-        self.flow += u64::from(most);
     }
 
     /// Distance of `i` to its root, `None` when it hangs on an orphan. Marks the way as known.
