@@ -8,7 +8,7 @@
 //! Cells that nothing flows through belong to the pins that they lie next to. The seam begins and ends where the land of
 //! the source meets that of the sink, on the left or on the right of those who look from one to the other.
 
-use super::{Cell, EAST, FREE, NORTH, SOUTH, SOURCE, WEST};
+use super::{Cell, EAST, FREE, NORTH, SOURCE, SOUTH, WEST};
 
 /// Sets a flow in `cells`, rows of `stride` with a frame that nothing flows into, which carry none yet.
 pub(super) fn set(cells: &mut [Cell], stride: usize) {
