@@ -112,9 +112,13 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
     let largest = right.iter().chain(&down).fold(0.0_f64, |most, &w| most.max(w));
     // 1024ths of a metre, or coarser for mismatches that no terrain has; one more prefers short cuts.
     let scale = (MAX_CAPACITY / largest).min(1024.0);
-    let capacities = |weights: &[f64]| -> Vec<u32> {
-        weights.iter().map(|w| if w.is_nan() { 0 } else { (w * scale).round() as u32 + 1 }).collect()
+    let capacity = |&weight: &f64| {
+        // Rounded by hand, as processors of old round by a call; no weight becomes 0.
+        let whole = (weight * scale) as u32;
+        let half_up = u32::from(weight * scale - f64::from(whole) >= 0.5);
+        if weight.is_nan() { 0 } else { whole + half_up + 1 }
     };
+    let capacities = |weights: &[f64]| -> Vec<u32> { weights.iter().map(capacity).collect() };
     let pins = overlap.map(|i, col| if both(i) { pin(overlay, i, col) } else { Pin::Free });
     let network =
         Network { cols: overlap.cols, right: &capacities(&right), down: &capacities(&down), pins: &pins };

@@ -96,7 +96,7 @@ impl<'a> Searcher<'a> {
         let (sum, known) =
             coarse.iter().filter(|h| !h.is_nan()).fold((0.0, 0.0), |(s, n), h| (s + h, n + 1.0));
         let mean = if known > 0.0 { sum / known } else { 0.0 };
-        let mut field = vec![Complex64::new(0.0, 0.0); n];
+        let mut field = vec![Complex64::new(0.0, 0.0); rows * plane.cols];
         for row in 0..rows {
             for col in 0..cols {
                 let height = coarse[row * cols + col] - mean;
@@ -105,7 +105,7 @@ impl<'a> Searcher<'a> {
                 }
             }
         }
-        let (heights, squares) = part(&plane.forward(field, rows), &plane);
+        let (heights, squares) = part(&plane.forward(field), &plane);
         let mut lines = vec![0.0; rows * cols];
         for network in networks {
             draw(network, factor, rows, cols, &mut lines);
@@ -222,8 +222,7 @@ impl<'a> Searcher<'a> {
         if h > self.rows || w > self.cols {
             return Ok(Vec::new());
         }
-        let (mut field, mut open) =
-            (vec![Complex64::new(0.0, 0.0); self.plane.rows * self.plane.cols], vec![false; h * w]);
+        let (mut field, mut open) = (vec![Complex64::new(0.0, 0.0); h * self.plane.cols], vec![false; h * w]);
         let (mut n, mut sum, mut square) = (0.0, 0.0, 0.0);
         for row in 0..h {
             for col in 0..w {
@@ -250,7 +249,7 @@ impl<'a> Searcher<'a> {
         let (last_row, last_col) = (self.rows - h, self.cols - w);
         let mut spots: Vec<(f64, usize, usize)> = Vec::new();
         let block = ((h.min(w)) / 8).max(1);
-        let correlated = if n > 0.0 { Some(self.correlate(field, h, last_row + 1)) } else { None };
+        let correlated = if n > 0.0 { Some(self.correlate(field, last_row + 1)) } else { None };
         job.check()?;
         for block_row in (0..=last_row).step_by(block) {
             for block_col in (0..=last_col).step_by(block) {
@@ -312,8 +311,8 @@ impl<'a> Searcher<'a> {
     }
 
     /// `-2 (S ⋆ mT) + S² ⋆ m` and, as imaginary part, `S ⋆ m`, of a field mT + i m.
-    fn correlate(&self, field: Vec<Complex64>, used: usize, wanted: usize) -> Vec<Complex64> {
-        let spectrum = self.plane.forward(field, used);
+    fn correlate(&self, field: Vec<Complex64>, wanted: usize) -> Vec<Complex64> {
+        let spectrum = self.plane.forward(field);
         let mut product = vec![Complex64::new(0.0, 0.0); spectrum.len()];
         let cols = self.plane.rows;
         product.par_chunks_mut(cols).enumerate().for_each(|(row, product)| {
