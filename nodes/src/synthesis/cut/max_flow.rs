@@ -2,8 +2,9 @@
 //!
 //! After Boykov and Kolmogorov 2004: two search trees, one from each set of pins, grow towards each other; where they
 //! touch, flow is pushed, and cells cut off from their tree look for another parent instead of the trees being grown
-//! anew. Departures: neighbours are implicit, four to a cell, and as pins are infinitely strong they are roots that never
-//! run dry, so no cell needs terminal capacities.
+//! anew. Departures: neighbours are implicit, four to a cell; as pins are infinitely strong they are roots that never run
+//! dry, so no cell needs terminal capacities; and the trees begin with the flow of [`potential_flow`], which is often
+//! maximal already.
 
 mod potential_flow;
 
@@ -84,7 +85,7 @@ const CHECK_EVERY: u32 = 1 << 14;
 
 /// The minimum cut of `network`: its labels do not depend on how it was found.
 ///
-/// Slices that are too short for a whole number of rows are cut off there. About 40 bytes a cell.
+/// Slices that are too short for a whole number of rows are cut off there. About 50 bytes a cell.
 ///
 /// # Errors
 /// Cancellation, and refusal of the memory.
@@ -94,7 +95,8 @@ pub fn min_cut(network: &Network<'_>, job: &Job<'_>) -> Result<MinCut> {
     let n = network.pins.len().min(network.right.len()).min(network.down.len());
     let rows = n.checked_div(cols).unwrap_or(0);
     let padded = (rows as u64 + 2) * (cols as u64 + 2);
-    let bytes = padded * (size_of::<Cell>() as u64 + 8);
+    // The search's cells and queue; the distances of the flow to begin with, whose they are, and which are tips.
+    let bytes = padded * (size_of::<Cell>() as u64 + 20);
     job.admit(bytes, || format!("a cut of {rows} × {cols} cells"))?;
     if padded > u64::from(u32::MAX) {
         let what = format!("a cut of {rows} × {cols} cells");
