@@ -42,7 +42,7 @@ fn terrain(rows: usize, cols: usize, seed: u64) -> Heightfield {
     Heightfield::new(grid, cells).expect("one height a cell")
 }
 
-#[divan::bench(args = [(80, 27), (150, 150), (1024, 256)])]
+#[divan::bench(args = [(80, 27), (150, 150), (1024, 256), (2048, 2048)], max_time = 10)]
 fn cut(bencher: Bencher<'_, '_>, (rows, cols): (usize, usize)) {
     let (old, new) = (terrain(rows, cols, 1), terrain(rows, cols, 2));
     let side = |i: usize| match i % cols {

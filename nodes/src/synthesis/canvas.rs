@@ -90,16 +90,22 @@ impl Window {
 fn near_open(open: &[bool], cols: usize, band: usize) -> Vec<bool> {
     let far = u32::MAX / 2;
     let mut distance: Vec<u32> = open.iter().map(|&open| if open { 0 } else { far }).collect();
-    let n = distance.len();
-    for i in 0..n {
-        let west = if i % cols > 0 { distance[i - 1] } else { far };
-        let north = if i >= cols { distance[i - cols] } else { far };
-        distance[i] = distance[i].min(west.min(north) + 1);
+    let rows = distance.len().checked_div(cols).unwrap_or(0);
+    for row in 0..rows {
+        for col in 0..cols {
+            let i = row * cols + col;
+            let west = if col > 0 { distance[i - 1] } else { far };
+            let north = if row > 0 { distance[i - cols] } else { far };
+            distance[i] = distance[i].min(west.min(north) + 1);
+        }
     }
-    for i in (0..n).rev() {
-        let east = if (i + 1) % cols > 0 { distance[i + 1] } else { far };
-        let south = if i + cols < n { distance[i + cols] } else { far };
-        distance[i] = distance[i].min(east.min(south) + 1);
+    for row in (0..rows).rev() {
+        for col in (0..cols).rev() {
+            let i = row * cols + col;
+            let east = if col + 1 < cols { distance[i + 1] } else { far };
+            let south = if row + 1 < rows { distance[i + cols] } else { far };
+            distance[i] = distance[i].min(east.min(south) + 1);
+        }
     }
     distance.into_iter().map(|distance| distance as usize <= band).collect()
 }
@@ -252,31 +258,26 @@ impl Canvas {
         rules: &Rules,
         job: &Job<'_>,
     ) -> Result<Seam> {
-        let keep: Vec<Keep> = (0..window.len())
-            .map(|i| {
-                let at = self.index(window, i);
-                let (row, col) = window.cell(i);
-                let square = |p: Point| {
-                    let (down, across) = (row as f64 - p[0], col as f64 - p[1]);
-                    down * down + across * across
-                };
-                if self.frozen[at] {
-                    return Keep::Old;
-                }
-                match (self.core(at), core.get(i).copied().unwrap_or(false)) {
-                    (None, false) => Keep::Either,
-                    (None, true) => Keep::New,
-                    (Some(_), false) => Keep::Old,
-                    (Some(other), true) => {
-                        if square(center) < square(other) {
-                            Keep::New
-                        } else {
-                            Keep::Old
-                        }
-                    }
-                }
-            })
-            .collect();
+        let cell = |row: usize, col: usize, is_core: bool| {
+            let at = row * self.size.1 + col;
+            let square = |p: Point| {
+                let (down, across) = (row as f64 - p[0], col as f64 - p[1]);
+                down * down + across * across
+            };
+            match (self.core(at), is_core) {
+                _ if self.frozen[at] => Keep::Old,
+                (None, false) => Keep::Either,
+                (None, true) => Keep::New,
+                (Some(other), true) if square(center) < square(other) => Keep::New,
+                (Some(_), _) => Keep::Old,
+            }
+        };
+        let mut core = core.iter().copied();
+        let mut keep = Vec::with_capacity(window.len());
+        for row in window.top..window.top + window.rows {
+            let cols = window.left..window.left + window.cols;
+            keep.extend(cols.map(|col| cell(row, col, core.next().unwrap_or(false))));
+        }
         let overlay = Overlay { cols: window.cols, old, new, keep: &keep };
         seam(&overlay, rules.seam_weight, job)
     }
@@ -331,20 +332,22 @@ impl Canvas {
     /// Keeps the steps of a patch's own surface: within its cells as they are, across its seam half and half.
     fn take_steps(&mut self, sheet: &Sheet, is_new: &[bool]) {
         let window = &sheet.window;
-        for i in 0..window.len() {
-            let at = self.index(window, i);
-            let right = (i + 1) % window.cols != 0;
-            let below = i + window.cols < window.len();
-            for (axis, inside, j) in [(0, right, i + 1), (1, below, i + window.cols)] {
-                if !inside || !(is_new[i] || is_new[j]) {
-                    continue;
-                }
-                let own = sheet.heights[j] - sheet.heights[i];
-                let before = self.steps[at][axis];
-                if is_new[i] && is_new[j] || before.is_nan() {
-                    self.steps[at][axis] = own;
-                } else if !own.is_nan() {
-                    self.steps[at][axis] = f32::midpoint(before, own);
+        for row in 0..window.rows {
+            for col in 0..window.cols {
+                let i = row * window.cols + col;
+                let at = (window.top + row) * self.size.1 + window.left + col;
+                let (right, below) = (col + 1 < window.cols, row + 1 < window.rows);
+                for (axis, inside, j) in [(0, right, i + 1), (1, below, i + window.cols)] {
+                    if !inside || !(is_new[i] || is_new[j]) {
+                        continue;
+                    }
+                    let own = sheet.heights[j] - sheet.heights[i];
+                    let before = self.steps[at][axis];
+                    if is_new[i] && is_new[j] || before.is_nan() {
+                        self.steps[at][axis] = own;
+                    } else if !own.is_nan() {
+                        self.steps[at][axis] = f32::midpoint(before, own);
+                    }
                 }
             }
         }

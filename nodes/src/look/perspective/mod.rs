@@ -9,6 +9,7 @@ mod paint;
 
 use glam::DVec3;
 use orograph_core::prelude::*;
+use rayon::prelude::*;
 
 use self::{
     camera::Camera,
@@ -137,11 +138,12 @@ impl Block {
             "the points of the view".into()
         })?;
         let sun = Sun::new(315.0, 45.0, Light::Multidirectional);
-        let mut points = Vec::with_capacity(rows.len() * cols.len());
-        let mut shaded = vec![STONE; grid.cols];
-        for &row in &rows {
+        let mut points = vec![None; rows.len() * cols.len()];
+        points.par_chunks_mut(cols.len()).zip(&rows).try_for_each(|(points, &row)| {
             job.check()?;
+            let mut shaded = Vec::new();
             if onto.is_none() {
+                shaded.resize(grid.cols, STONE);
                 sun.brightnesses(terrain, row, exaggeration, |start, bright| {
                     for (pixel, &bright) in shaded[start..].iter_mut().zip(bright) {
                         *pixel = colour::shade(STONE, sun.relative(bright, 1.0));
@@ -149,27 +151,31 @@ impl Block {
                 });
             }
             let colours = onto.map_or(&shaded[..], |onto| onto.row(row));
-            points.extend(cols.iter().map(|&col| {
+            for (point, &col) in points.iter_mut().zip(&cols) {
                 let z = f64::from(terrain.at(row, col)) * exaggeration;
                 let at = DVec3::new(col as f64 * grid.cell.x, -(row as f64) * grid.cell.y, z);
-                z.is_finite().then_some((at, colours[col]))
-            }));
-        }
+                *point = z.is_finite().then_some((at, colours[col]));
+            }
+            Ok(())
+        })?;
         Ok(Self { rows: rows.len(), cols: cols.len(), points })
     }
 
     /// Opposite corners of the box around the block and its base; `None` without a known height.
     fn bounds(&self) -> Option<[DVec3; 2]> {
-        let mut known = self.points.iter().flatten().map(|point| point.0);
-        let first = known.next()?;
-        let (low, high) = known.fold((first, first), |(low, high), at| (low.min(at), high.max(at)));
+        let of_row = |row: &[Option<(DVec3, Colour)>]| {
+            let known = row.iter().flatten().map(|point| (point.0, point.0));
+            known.reduce(|(low, high), at| (low.min(at.0), high.max(at.1)))
+        };
+        let rows: Vec<_> = self.points.par_chunks(self.cols.max(1)).filter_map(of_row).collect();
+        let (low, high) = rows.into_iter().reduce(|(low, high), row| (low.min(row.0), high.max(row.1)))?;
         let depth = 0.04 * (high - low).truncate().max_element();
         Some([low - DVec3::Z * depth, high])
     }
 
     fn paint(&self, camera: &Camera, painter: &mut Painter, job: &Job) -> Result<()> {
         let see = |point: &Option<(DVec3, Colour)>| point.and_then(|(at, colour)| camera.see(at, colour));
-        let corners = self.points.iter().map(see).collect();
+        let corners = self.points.par_iter().map(see).collect();
         let scene = Scene { corners, cols: self.cols, sides: self.cut_sides(camera) };
         painter.paint(&scene, job)
     }

@@ -25,11 +25,18 @@ pub(super) struct Scene {
     pub(super) sides: Vec<[Corner; 3]>,
 }
 
+/// Squares of the lattice, side by side, that are looked at together.
+const STRETCH: usize = 32;
+
 impl Scene {
-    /// Pairs of neighbouring rows.
-    fn strips(&self) -> impl Iterator<Item = &[Option<Corner>]> {
+    /// Stretches of pairs of neighbouring rows, row by row.
+    fn stretches(&self) -> impl Iterator<Item = [&[Option<Corner>]; 2]> {
         let rows = self.corners.len() / self.cols;
-        (1..rows).map(|row| &self.corners[(row - 1) * self.cols..(row + 1) * self.cols])
+        let starts = move |row| (0..self.cols.saturating_sub(1)).step_by(STRETCH).map(move |col| (row, col));
+        (1..rows).flat_map(starts).map(|(row, first)| {
+            let end = (first + STRETCH + 1).min(self.cols);
+            [row - 1, row].map(|row| &self.corners[row * self.cols..][first..end])
+        })
     }
 }
 
@@ -64,7 +71,9 @@ impl Painter {
     /// Draws a scene, the nearest on top; of equals the first.
     pub(super) fn paint(&mut self, scene: &Scene, job: &Job) -> Result<()> {
         let width = self.width;
-        let spans: Vec<(f64, f64)> = scene.strips().map(|strip| span(strip.iter().flatten())).collect();
+        let stretches: Vec<[&[Option<Corner>]; 2]> = scene.stretches().collect();
+        let spans: Vec<(f64, f64)> =
+            stretches.par_iter().map(|rows| span(rows.iter().copied().flatten().flatten())).collect();
         let bands = self.pixels.par_chunks_mut(width * BAND).enumerate();
         let done = job.stage(bands.len() as u64);
         bands.try_for_each(|(band, pixels)| {
@@ -76,8 +85,7 @@ impl Painter {
                     fill(triangle, pixels, width, band * BAND);
                 }
             };
-            for (strip, _) in scene.strips().zip(&spans).filter(|(_, span)| crosses(**span)) {
-                let (north, south) = strip.split_at(scene.cols);
+            for ([north, south], _) in stretches.iter().zip(&spans).filter(|(_, span)| crosses(**span)) {
                 for (north, south) in north.windows(2).zip(south.windows(2)) {
                     let [nw, ne, sw, se] = [north[0], north[1], south[0], south[1]];
                     [[nw, ne, sw], [ne, se, sw]]
@@ -131,13 +139,14 @@ fn fill([a, b, c]: &[Corner; 3], pixels: &mut [(f64, Colour)], width: usize, top
         let middle_y = y as f64 + 0.5;
         for x in columns.clone() {
             let middle_x = x as f64 + 0.5;
-            let across = |p: &Corner, q: &Corner| {
-                ((q.x - p.x) * (middle_y - p.y) - (middle_x - p.x) * (q.y - p.y)) / area
-            };
-            let shares = [across(b, c), across(c, a), across(a, b)];
-            if shares.iter().any(|&share| share < 0.0) {
+            let across =
+                |p: &Corner, q: &Corner| (q.x - p.x) * (middle_y - p.y) - (middle_x - p.x) * (q.y - p.y);
+            let parts = [across(b, c), across(c, a), across(a, b)];
+            // Most pixels of the box are outside, which is told without dividing.
+            if parts.iter().any(|&part| part != 0.0 && (part < 0.0) != (area < 0.0)) {
                 continue;
             }
+            let shares = parts.map(|part| part / area);
             let near = shares[0] * a.near + shares[1] * b.near + shares[2] * c.near;
             let pixel = &mut pixels[(y - top) * width + x];
             if near > pixel.0 {

@@ -2,8 +2,11 @@
 //!
 //! After Boykov and Kolmogorov 2004: two search trees, one from each set of pins, grow towards each other; where they
 //! touch, flow is pushed, and cells cut off from their tree look for another parent instead of the trees being grown
-//! anew. Departures: neighbours are implicit, four to a cell, and as pins are infinitely strong they are roots that never
-//! run dry, so no cell needs terminal capacities.
+//! anew. Departures: neighbours are implicit, four to a cell; as pins are infinitely strong they are roots that never run
+//! dry, so no cell needs terminal capacities; and the trees begin with the flow of [`potential_flow`], which is often
+//! maximal already.
+
+mod potential_flow;
 
 use std::collections::VecDeque;
 
@@ -46,7 +49,13 @@ const FREE: u8 = 0;
 const SOURCE: u8 = 1;
 const SINK: u8 = 2;
 
-/// Directions to neighbours: west, north, east, south. The opposite of `d` is `d ^ 2`.
+/// Directions to neighbours. The opposite of `d` is `d ^ 2`.
+const WEST: usize = 0;
+const NORTH: usize = 1;
+const EAST: usize = 2;
+const SOUTH: usize = 3;
+
+/// Parents that are none.
 const NONE: u8 = 4;
 const ROOT: u8 = 5;
 const ORPHAN: u8 = 6;
@@ -69,7 +78,6 @@ struct Search {
     active: VecDeque<u32>,
     orphans: VecDeque<u32>,
     clock: u32,
-    flow: u64,
 }
 
 /// Cells grown between two looks at whether the job was cancelled.
@@ -77,7 +85,7 @@ const CHECK_EVERY: u32 = 1 << 14;
 
 /// The minimum cut of `network`: its labels do not depend on how it was found.
 ///
-/// Slices that are too short for a whole number of rows are cut off there. About 40 bytes a cell.
+/// Slices that are too short for a whole number of rows are cut off there. About 50 bytes a cell.
 ///
 /// # Errors
 /// Cancellation, and refusal of the memory.
@@ -87,17 +95,35 @@ pub fn min_cut(network: &Network<'_>, job: &Job<'_>) -> Result<MinCut> {
     let n = network.pins.len().min(network.right.len()).min(network.down.len());
     let rows = n.checked_div(cols).unwrap_or(0);
     let padded = (rows as u64 + 2) * (cols as u64 + 2);
-    let bytes = padded * (size_of::<Cell>() as u64 + 8);
+    // The search's cells and queue; the distances of the flow to begin with, whose they are, and which are tips.
+    let bytes = padded * (size_of::<Cell>() as u64 + 20);
     job.admit(bytes, || format!("a cut of {rows} × {cols} cells"))?;
     if padded > u64::from(u32::MAX) {
         let what = format!("a cut of {rows} × {cols} cells");
         return Err(Error::TooLarge { what, bytes, limit: u64::from(u32::MAX) });
     }
     let mut search = Search::new(network, rows, cols);
+    potential_flow::set(&mut search.cells, cols + 2);
     search.run(job)?;
     let stride = cols + 2;
     let side = |i: usize| search.cells[(i / cols + 1) * stride + i % cols + 1].tree == SOURCE;
-    Ok(MinCut { source_side: (0..rows * cols).map(side).collect(), flow: search.flow })
+    let source_side: Vec<bool> = (0..rows * cols).map(side).collect();
+    let flow = across(network, &source_side);
+    Ok(MinCut { source_side, flow })
+}
+
+/// The capacity between both sides.
+fn across(network: &Network<'_>, side: &[bool]) -> u64 {
+    let of_row = |(row, cells): (usize, &[bool])| {
+        let right = &network.right[row * network.cols..];
+        let down = &network.down[row * network.cols..];
+        let below = &side[(row + 1) * network.cols..];
+        let across = cells.windows(2).zip(right).filter(|(pair, _)| pair[0] != pair[1]);
+        let across: u64 = across.map(|(_, &capacity)| u64::from(capacity)).sum();
+        let down = cells.iter().zip(below).zip(down).filter(|((a, b), _)| a != b);
+        across + down.map(|(_, &capacity)| u64::from(capacity)).sum::<u64>()
+    };
+    side.chunks(network.cols.max(1)).enumerate().map(of_row).sum()
 }
 
 impl Search {
@@ -132,7 +158,7 @@ impl Search {
             }
         }
         let step = [-1, -(stride as isize), 1, stride as isize];
-        Self { cells, step, active, orphans: VecDeque::new(), clock: 0, flow: 0 }
+        Self { cells, step, active, orphans: VecDeque::new(), clock: 0 }
     }
 
     fn beside(&self, i: usize, direction: usize) -> usize {
@@ -252,7 +278,6 @@ impl Search {
             }
             i = parent;
         }
-        self.flow += u64::from(most);
     }
 
     /// Distance of `i` to its root, `None` when it hangs on an orphan. Marks the way as known.

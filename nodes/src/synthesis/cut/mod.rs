@@ -85,8 +85,19 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
         ));
     }
     let both = |i: usize| !old[i].is_nan() && !new[i].is_nan();
-    let mismatch = |i: usize| f64::from((old[i] - new[i]).abs());
+    if (0..n).any(|i| both(i) && (old[i].is_infinite() || new[i].is_infinite())) {
+        return Err(Error::invalid(
+            "the ground or the patch holds an infinite height",
+            "declare that value as nodata in the source",
+        ));
+    }
+    let mut found = Seam { new: new.iter().map(|height| !height.is_nan()).collect(), cost: 0.0, n_cut: 0 };
+    let Some(overlap) = Overlap::of(cols, n, both) else { return Ok(found) };
     let edge = |i: usize, j: usize| {
+        if !both(i) || !both(j) {
+            return f64::NAN;
+        }
+        let mismatch = |i: usize| f64::from((old[i] - new[i]).abs());
         let plain = mismatch(i) + mismatch(j);
         match weight {
             SeamWeight::Plain => plain,
@@ -96,40 +107,33 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
             }
         }
     };
-    let (across, below) = (
-        |i: usize| !(i + 1).is_multiple_of(cols) && both(i) && both(i + 1),
-        |i: usize| i + cols < n && both(i) && both(i + cols),
-    );
-    let weights = |on: &dyn Fn(usize) -> bool, step: usize| -> Vec<f64> {
-        (0..n).map(|i| if on(i) { edge(i, i + step) } else { f64::NAN }).collect()
-    };
-    let (right, down) = (weights(&across, 1), weights(&below, cols));
-    let pins = pins(overlay);
-    let overlap = (0..n).filter(|&i| both(i));
-    if overlap.into_iter().any(|i| old[i].is_infinite() || new[i].is_infinite()) {
-        return Err(Error::invalid(
-            "the ground or the patch holds an infinite height",
-            "declare that value as nodata in the source",
-        ));
-    }
+    let right = overlap.map(|i, col| if col + 1 < cols { edge(i, i + 1) } else { f64::NAN });
+    let down = overlap.map(|i, _| if i + cols < n { edge(i, i + cols) } else { f64::NAN });
     let largest = right.iter().chain(&down).fold(0.0_f64, |most, &w| most.max(w));
     // 1024ths of a metre, or coarser for mismatches that no terrain has; one more prefers short cuts.
     let scale = (MAX_CAPACITY / largest).min(1024.0);
-    let capacities = |weights: &[f64]| -> Vec<u32> {
-        weights.iter().map(|w| if w.is_nan() { 0 } else { (w * scale).round() as u32 + 1 }).collect()
+    let capacity = |&weight: &f64| {
+        // Rounded by hand, as processors of old round by a call; no weight becomes 0.
+        let whole = (weight * scale) as u32;
+        let half_up = u32::from(weight * scale - f64::from(whole) >= 0.5);
+        if weight.is_nan() { 0 } else { whole + half_up + 1 }
     };
-    let network = Network { cols, right: &capacities(&right), down: &capacities(&down), pins: &pins };
+    let capacities = |weights: &[f64]| -> Vec<u32> { weights.iter().map(capacity).collect() };
+    let pins = overlap.map(|i, col| if both(i) { pin(overlay, i, col) } else { Pin::Free });
+    let network =
+        Network { cols: overlap.cols, right: &capacities(&right), down: &capacities(&down), pins: &pins };
     // Without old cells to keep the cut is nowhere and all is new; the flow's labels say just that.
     let old_side = min_cut(&network, job)?.source_side;
     let (has_old, has_new) = (pins.contains(&Pin::Source), pins.contains(&Pin::Sink));
-    let is_new = |i: usize| {
-        if both(i) { has_new && !old_side[i] || !has_old } else { !new[i].is_nan() }
-    };
-    let labels: Vec<bool> = (0..n).map(is_new).collect();
-    let mut found = Seam { new: labels, cost: 0.0, n_cut: 0 };
-    for (weights, step) in [(&right, 1), (&down, cols)] {
+    let is_new = |old_side: bool| has_new && !old_side || !has_old;
+    let mut sides = old_side.iter();
+    overlap.map(|i, _| {
+        let old_side = sides.next().is_some_and(|&side| side);
+        found.new[i] = if both(i) { is_new(old_side) } else { found.new[i] };
+    });
+    for (weights, step) in [(&right, 1), (&down, overlap.cols)] {
         for (i, &weight) in weights.iter().enumerate() {
-            if !weight.is_nan() && found.new[i] != found.new[i + step] {
+            if !weight.is_nan() && is_new(old_side[i]) != is_new(old_side[i + step]) {
                 found.cost += weight;
                 found.n_cut += 1;
             }
@@ -138,34 +142,59 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
     Ok(found)
 }
 
-/// The pins of the overlap: beside ground that only one of the two has, and where the caller says so.
-fn pins(overlay: &Overlay<'_>) -> Vec<Pin> {
+/// The least rectangle of a window that holds all cells which both surfaces have.
+struct Overlap {
+    first: usize,
+    rows: usize,
+    cols: usize,
+    stride: usize,
+}
+
+impl Overlap {
+    /// `None` without such a cell.
+    fn of(stride: usize, n: usize, both: impl Fn(usize) -> bool) -> Option<Self> {
+        let (mut top, mut bottom, mut left, mut right) = (usize::MAX, 0, usize::MAX, 0);
+        for (row, start) in (0..n).step_by(stride.max(1)).enumerate() {
+            let Some(first) = (0..stride).find(|&col| both(start + col)) else { continue };
+            let last = (first..stride).rfind(|&col| both(start + col)).unwrap_or(first);
+            (top, bottom) = (top.min(row), row);
+            (left, right) = (left.min(first), right.max(last));
+        }
+        let (rows, cols) = ((bottom + 1).checked_sub(top)?, right + 1 - left);
+        Some(Self { first: top * stride + left, rows, cols, stride })
+    }
+
+    /// What `f` gives for each cell of the rectangle, by its number and its column in the window.
+    fn map<T>(&self, mut f: impl FnMut(usize, usize) -> T) -> Vec<T> {
+        let mut out = Vec::with_capacity(self.rows * self.cols);
+        let left = self.first % self.stride;
+        for row in 0..self.rows {
+            let first = self.first + row * self.stride;
+            out.extend((0..self.cols).map(|col| f(first + col, left + col)));
+        }
+        out
+    }
+}
+
+/// The pin of a cell of the overlap: beside ground that only one of the two has, and where the caller says so.
+fn pin(overlay: &Overlay<'_>, i: usize, col: usize) -> Pin {
     let Overlay { cols, old, new, keep } = *overlay;
-    let n = new.len();
-    let pin = |i: usize| {
-        if old[i].is_nan() || new[i].is_nan() {
-            return Pin::Free;
-        }
-        let col = i % cols;
-        let near = [
-            (col > 0).then(|| i - 1),
-            (i >= cols).then(|| i - cols),
-            (col + 1 < cols).then_some(i + 1),
-            (i + cols < n).then_some(i + cols),
-        ];
-        let beside = |has: &[f32], lacks: &[f32]| {
-            near.into_iter().flatten().any(|j| !has[j].is_nan() && lacks[j].is_nan())
-        };
-        let (beside_old, beside_new) = (beside(old, new), beside(new, old));
-        match keep.get(i).copied().unwrap_or(Keep::Either) {
-            _ if beside_old => Pin::Source,
-            _ if beside_new => Pin::Sink,
-            Keep::Old => Pin::Source,
-            Keep::New => Pin::Sink,
-            Keep::Either => Pin::Free,
-        }
+    let near = [
+        (col > 0).then(|| i - 1),
+        i.checked_sub(cols),
+        (col + 1 < cols).then_some(i + 1),
+        (i + cols < new.len()).then_some(i + cols),
+    ];
+    let beside = |has: &[f32], lacks: &[f32]| {
+        near.into_iter().flatten().any(|j| !has[j].is_nan() && lacks[j].is_nan())
     };
-    (0..n).map(pin).collect()
+    match keep.get(i).copied().unwrap_or(Keep::Either) {
+        _ if beside(old, new) => Pin::Source,
+        _ if beside(new, old) => Pin::Sink,
+        Keep::Old => Pin::Source,
+        Keep::New => Pin::Sink,
+        Keep::Either => Pin::Free,
+    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,11 @@
 //! Poisson's equation on any set of cells: conjugate gradients preconditioned by multigrid.
 //!
 //! At each free cell p `sum over neighbours q of w (u_p - u_q) = b_p`, with u = 0 at fixed cells and no flow to cells
-//! outside; cells may be held, which adds `h u_p` on the left. Nothing but the cells' kinds is stored of the matrix. Sums are taken row by row in order, so the result
-//! does not depend on threads. Ten steps reach 1e-10 on most regions, whatever their size.
+//! outside; cells may be held, which adds `h u_p` on the left. Only the rectangle around the free cells is worked on.
 
 use orograph_core::prelude::*;
-use rayon::prelude::*;
 
-use super::multigrid::{Levels, PARALLEL};
+use super::iteration::Iteration;
 
 /// What a cell is to the equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,14 +29,8 @@ pub struct Domain<'a> {
     pub weights: [f64; 2],
 }
 
-/// The residual, relative to the right side, at which a solution is taken.
-const TOLERANCE: f64 = 1e-10;
-/// The residual that is still good enough after the last step.
-const ACCEPTED: f64 = 1e-6;
-const MAX_STEPS: usize = 400;
-
 /// Bytes for one cell, all levels together.
-const BYTES: u64 = 112;
+const BYTES: u64 = 88;
 
 /// The solution for the right side `b`, 0 at all cells that are not free.
 ///
@@ -72,58 +64,110 @@ pub fn solve_held(domain: &Domain<'_>, holds: &[f64], b: &[f64], job: &Job<'_>) 
     if !b.iter().chain(holds).all(|b| b.is_finite()) {
         return Err(Error::invalid("a height is infinite", "declare that value as nodata in the source"));
     }
-    let mut held = cells.to_vec();
-    let floating = floating_parts(cols, cells, holds, b);
-    for part in &floating {
+    let Some(part) = Part::of(cols, cells) else { return Ok(vec![0.0; n]) };
+    let mut framed = part.framed(cells, Cell::Outside);
+    let right: Vec<f64> = part
+        .framed(b, 0.0)
+        .iter()
+        .zip(&framed)
+        .map(|(&b, &cell)| if cell == Cell::Free { b } else { 0.0 })
+        .collect();
+    let holds = if holds.is_empty() { Vec::new() } else { part.framed(holds, 0.0) };
+    let floating = floating_parts(part.cols + 2, &framed, &holds, &right);
+    for cells in &floating {
         // Its equation follows from the others; where the part lies is settled below.
-        held[part[0]] = Cell::Fixed;
+        framed[cells[0]] = Cell::Fixed;
     }
-    let domain = Domain { cols, cells: &held, weights };
-    let (mut solution, _) = Iteration::new(&domain, holds, b).run(job)?;
-    for part in &floating {
-        let mean = part.iter().map(|&i| solution[i]).sum::<f64>() / part.len() as f64;
-        part.iter().for_each(|&i| solution[i] -= mean);
+    let (mut solution, _) = Iteration::new(part.cols, &framed, &holds, right, weights).run(job)?;
+    for cells in &floating {
+        let mean = cells.iter().map(|&i| solution[i]).sum::<f64>() / cells.len() as f64;
+        cells.iter().for_each(|&i| solution[i] -= mean);
     }
-    Ok(solution)
+    Ok(part.unframed(&solution, n))
+}
+
+/// The least rectangle of a domain that holds all free cells and their neighbours.
+struct Part {
+    top: usize,
+    left: usize,
+    rows: usize,
+    cols: usize,
+    all_cols: usize,
+}
+
+impl Part {
+    /// `None` without a free cell.
+    fn of(all_cols: usize, cells: &[Cell]) -> Option<Self> {
+        let is_free = |cell: &Cell| *cell == Cell::Free;
+        let (mut top, mut bottom, mut left, mut right) = (usize::MAX, 0, usize::MAX, 0);
+        for (row, cells) in cells.chunks(all_cols).enumerate() {
+            let Some(first) = cells.iter().position(is_free) else { continue };
+            let last = cells.iter().rposition(is_free).unwrap_or(first);
+            (top, bottom) = (top.min(row), row);
+            (left, right) = (left.min(first), right.max(last));
+        }
+        if top > bottom {
+            return None;
+        }
+        let (top, left) = (top.saturating_sub(1), left.saturating_sub(1));
+        let rows = (bottom + 2).min(cells.len() / all_cols) - top;
+        Some(Self { top, left, rows, cols: (right + 2).min(all_cols) - left, all_cols })
+    }
+
+    /// Its values, with a frame one cell wide.
+    fn framed<T: Copy>(&self, values: &[T], frame: T) -> Vec<T> {
+        let stride = self.cols + 2;
+        let mut out = vec![frame; (self.rows + 2) * stride];
+        for (row, out) in out.chunks_mut(stride).skip(1).take(self.rows).enumerate() {
+            out[1..=self.cols]
+                .copy_from_slice(&values[(self.top + row) * self.all_cols + self.left..][..self.cols]);
+        }
+        out
+    }
+
+    /// `n` values, 0 outside it.
+    fn unframed(&self, framed: &[f64], n: usize) -> Vec<f64> {
+        let mut out = vec![0.0; n];
+        for (row, values) in framed.chunks(self.cols + 2).skip(1).take(self.rows).enumerate() {
+            out[(self.top + row) * self.all_cols + self.left..][..self.cols]
+                .copy_from_slice(&values[1..=self.cols]);
+        }
+        out
+    }
 }
 
 /// Connected parts of free cells that touch no fixed cell, are held nowhere, and whose right side is not zero throughout.
-fn floating_parts(cols: usize, cells: &[Cell], holds: &[f64], b: &[f64]) -> Vec<Vec<usize>> {
-    let n = cells.len();
-    let mut seen = vec![false; n];
+/// The arrays are framed.
+fn floating_parts(stride: usize, cells: &[Cell], holds: &[f64], b: &[f64]) -> Vec<Vec<usize>> {
+    let mut seen = vec![false; cells.len()];
     let mut parts = Vec::new();
-    let mut stack = Vec::new();
-    for first in 0..n {
+    let mut part: Vec<u32> = Vec::new();
+    for first in 0..cells.len() {
         if seen[first] || cells[first] != Cell::Free {
             continue;
         }
-        let (mut part, mut anchored, mut driven) = (Vec::new(), false, false);
+        let (mut anchored, mut driven, mut next) = (false, false, 0);
         seen[first] = true;
-        stack.push(first);
-        while let Some(i) = stack.pop() {
-            part.push(i);
+        part.clear();
+        part.push(first as u32);
+        while let Some(&i) = part.get(next) {
+            next += 1;
+            let i = i as usize;
             driven |= b[i] != 0.0;
             anchored |= holds.get(i).is_some_and(|&hold| hold > 0.0);
-            let col = i % cols;
-            let near = [
-                (col > 0).then(|| i.wrapping_sub(1)),
-                i.checked_sub(cols),
-                (col + 1 < cols).then_some(i + 1),
-                (i + cols < n).then_some(i + cols),
-            ];
-            for j in near.into_iter().flatten() {
+            for j in [i - 1, i - stride, i + 1, i + stride] {
                 match cells[j] {
-                    Cell::Outside => {}
-                    Cell::Fixed => anchored = true,
                     Cell::Free if !seen[j] => {
                         seen[j] = true;
-                        stack.push(j);
+                        part.push(j as u32);
                     }
-                    Cell::Free => {}
+                    Cell::Fixed => anchored = true,
+                    _ => {}
                 }
             }
         }
         if !anchored && driven {
+            let mut part: Vec<usize> = part.iter().map(|&i| i as usize).collect();
             part.sort_unstable();
             parts.push(part);
         }
@@ -131,103 +175,11 @@ fn floating_parts(cols: usize, cells: &[Cell], holds: &[f64], b: &[f64]) -> Vec<
     parts
 }
 
-/// Preconditioned conjugate gradients on arrays with a frame one cell wide.
-struct Iteration {
-    levels: Levels,
-    cols: usize,
-    stride: usize,
-    rest: Vec<f64>,
-    solution: Vec<f64>,
-}
-
-impl Iteration {
-    fn new(domain: &Domain<'_>, holds: &[f64], b: &[f64]) -> Self {
-        let cols = domain.cols;
-        let (rows, stride) = (domain.cells.len() / cols, cols + 2);
-        let levels = Levels::new(rows, cols, domain.cells, holds, domain.weights);
-        let mut rest = vec![0.0; (rows + 2) * stride];
-        for (row, (b, cells)) in b.chunks(cols).zip(domain.cells.chunks(cols)).enumerate() {
-            let rest = &mut rest[(row + 1) * stride + 1..];
-            for ((rest, &b), &cell) in rest.iter_mut().zip(b).zip(cells) {
-                *rest = if cell == Cell::Free { b } else { 0.0 };
-            }
-        }
-        let solution = vec![0.0; rest.len()];
-        Self { levels, cols, stride, rest, solution }
-    }
-
-    /// The solution and the number of steps that it took.
-    fn run(mut self, job: &Job<'_>) -> Result<(Vec<f64>, usize)> {
-        let (stride, len) = (self.stride, self.rest.len());
-        let target = self.dot(&self.rest, &self.rest).sqrt() * TOLERANCE;
-        let mut along = vec![0.0; len];
-        let mut image = vec![0.0; len];
-        let mut last = 0.0;
-        let mut residual = target / TOLERANCE;
-        let start = residual;
-        let mut steps = 0;
-        while steps < MAX_STEPS {
-            if residual <= target {
-                break;
-            }
-            job.check()?;
-            self.levels.precondition(&self.rest);
-            let corrected = self.levels.correction();
-            let product = self.dot(&self.rest, corrected);
-            let share = if steps == 0 { 0.0 } else { product / last };
-            last = product;
-            each_row(&mut along, stride, |row, along| {
-                for (along, z) in along.iter_mut().zip(&corrected[row * stride..]) {
-                    *along = z + share * *along;
-                }
-            });
-            self.levels.apply(&along, &mut image);
-            let curvature = self.dot(&along, &image);
-            if curvature.is_nan() || curvature <= 0.0 {
-                break;
-            }
-            let length = product / curvature;
-            each_row(&mut self.solution, stride, |row, x| {
-                x.iter_mut().zip(&along[row * stride..]).for_each(|(x, p)| *x += length * p);
-            });
-            each_row(&mut self.rest, stride, |row, r| {
-                r.iter_mut().zip(&image[row * stride..]).for_each(|(r, a)| *r -= length * a);
-            });
-            residual = self.dot(&self.rest, &self.rest).sqrt();
-            steps += 1;
-        }
-        if residual.is_nan() || residual > start * ACCEPTED {
-            return Err(Error::NotConverged { steps: steps as u64, residual: residual / start });
-        }
-        let rows = self.solution.chunks(stride).skip(1).take(len / stride - 2);
-        Ok((rows.flat_map(|row| &row[1..=self.cols]).copied().collect(), steps))
-    }
-
-    fn dot(&self, a: &[f64], b: &[f64]) -> f64 {
-        let stride = self.stride;
-        let of_row = |(a, b): (&[f64], &[f64])| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
-        if a.len() < PARALLEL {
-            return a.chunks(stride).zip(b.chunks(stride)).map(of_row).sum();
-        }
-        let rows: Vec<f64> = a.par_chunks(stride).zip(b.par_chunks(stride)).map(of_row).collect();
-        rows.into_iter().sum()
-    }
-}
-
-/// Calls `f` with each row, in parallel where that pays.
-pub(super) fn each_row(values: &mut [f64], stride: usize, f: impl Fn(usize, &mut [f64]) + Sync) {
-    if values.len() < PARALLEL {
-        values.chunks_mut(stride).enumerate().for_each(|(row, values)| f(row, values));
-    } else {
-        values.par_chunks_mut(stride).with_min_len(16).enumerate().for_each(|(row, values)| f(row, values));
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use orograph_core::{key, signed_unit};
 
-    use super::*;
+    use super::{super::iteration::ACCURACY, *};
 
     fn residual(domain: &Domain<'_>, b: &[f64], u: &[f64]) -> f64 {
         let (cols, n) = (domain.cols, domain.cells.len());
@@ -249,8 +201,18 @@ mod tests {
         (0..n).map(at).fold(0.0, f64::max)
     }
 
+    /// [`floating_parts`] of arrays without a frame.
+    fn floating(cols: usize, cells: &[Cell], holds: &[f64], b: &[f64]) -> Vec<Vec<usize>> {
+        let part = Part { top: 0, left: 0, rows: cells.len() / cols, cols, all_cols: cols };
+        let holds = if holds.is_empty() { Vec::new() } else { part.framed(holds, 0.0) };
+        let found =
+            floating_parts(cols + 2, &part.framed(cells, Cell::Outside), &holds, &part.framed(b, 0.0));
+        let unframed = |i: usize| (i / (cols + 2) - 1) * cols + i % (cols + 2) - 1;
+        found.into_iter().map(|part| part.into_iter().map(unframed).collect()).collect()
+    }
+
     #[test]
-    fn ragged_regions_are_solved_to_the_last_digits() {
+    fn ragged_regions_are_solved_to_the_accuracy() {
         for (seed, rows, cols, share, weights) in [
             (1, 40, 57, 0.9, [1.0, 1.0]),
             (2, 1, 30, 0.8, [1.0, 1.0]),
@@ -267,11 +229,11 @@ mod tests {
             // Isolated free cells without fixed neighbour have no equation of their own.
             let b: Vec<f64> = (0..rows * cols).map(|i| 100.0 * draw(2, i)).collect();
             cells.iter_mut().step_by(7).for_each(|cell| *cell = Cell::Fixed);
-            let floating: Vec<usize> = floating_parts(cols, &cells, &[], &b).into_iter().flatten().collect();
+            let floating: Vec<usize> = floating(cols, &cells, &[], &b).into_iter().flatten().collect();
             floating.iter().for_each(|&i| cells[i] = Cell::Outside);
             let domain = Domain { cols, cells: &cells, weights };
             let u = solve(&domain, &b, &Job::detached()).unwrap();
-            assert!(residual(&domain, &b, &u) < 1e-5, "{seed}: {}", residual(&domain, &b, &u));
+            assert!(residual(&domain, &b, &u) < 8.0 * ACCURACY, "{seed}: {}", residual(&domain, &b, &u));
         }
     }
 
@@ -288,9 +250,11 @@ mod tests {
         let domain = Domain { cols: side, cells: &cells, weights: [1.0; 2] };
         let b = vec![1.0; side * side];
         let u = solve(&domain, &b, &Job::detached()).unwrap();
-        assert!(residual(&domain, &b, &u) < 1e-6);
-        let (_, steps) = Iteration::new(&domain, &[], &b).run(&Job::detached()).unwrap();
-        assert!(steps <= 20, "{steps}");
+        assert!(residual(&domain, &b, &u) < 8.0 * ACCURACY);
+        let part = Part { top: 0, left: 0, rows: side, cols: side, all_cols: side };
+        let (cells, b) = (part.framed(&cells, Cell::Outside), part.framed(&b, 0.0));
+        let (_, steps) = Iteration::new(side, &cells, &[], b, [1.0; 2]).run(&Job::detached()).unwrap();
+        assert!(steps <= 15, "{steps}");
     }
 
     #[test]
@@ -302,7 +266,7 @@ mod tests {
         let domain = Domain { cols: 7, cells: &cells, weights: [1.0; 2] };
         let u = solve(&domain, &b, &Job::detached()).unwrap();
         for (u, truth) in u[1..6].iter().zip([-3.0, -3.0, 2.0, 2.0, 2.0]) {
-            assert!((u - truth).abs() < 1e-8, "{u} {truth}");
+            assert!((u - truth).abs() < ACCURACY, "{u} {truth}");
         }
     }
 
@@ -313,7 +277,7 @@ mod tests {
         let domain = Domain { cols: 3, cells: &free, weights: [1.0; 2] };
         let u = solve_held(&domain, &[0.0, 0.0, 2.0], &[6.0, 0.0, 0.0], &Job::detached()).unwrap();
         for (u, truth) in u.iter().zip([15.0, 9.0, 3.0]) {
-            assert!((u - truth).abs() < 1e-8, "{u} {truth}");
+            assert!((u - truth).abs() < ACCURACY, "{u} {truth}");
         }
         // On ragged ground, with holds of any strength anywhere, the equations are met.
         let (rows, cols) = (70, 53);
@@ -323,13 +287,20 @@ mod tests {
         let hold = |i: usize| if draw(3, i) > 0.9 { libm::pow(10.0, 5.0 * draw(4, i)) } else { 0.0 };
         let mut holds: Vec<f64> = (0..rows * cols).map(hold).collect();
         let b: Vec<f64> = (0..rows * cols).map(|i| 100.0 * draw(2, i)).collect();
-        for part in floating_parts(cols, &cells, &holds, &b) {
+        for part in floating(cols, &cells, &holds, &b) {
             holds[part[0]] = 1.0;
         }
         let domain = Domain { cols, cells: &cells, weights: [1.0, 0.6] };
         let u = solve_held(&domain, &holds, &b, &Job::detached()).unwrap();
-        let rest: Vec<f64> = (0..rows * cols).map(|i| b[i] - holds[i] * u[i]).collect();
-        assert!(residual(&domain, &rest, &u) < 1e-4, "{}", residual(&domain, &rest, &u));
+        // Of a right side as much larger the solution is that much more exact, as strong holds need to be seen.
+        let large: Vec<f64> = b.iter().map(|b| 1e5 * b).collect();
+        let exact: Vec<f64> =
+            solve_held(&domain, &holds, &large, &Job::detached()).unwrap().iter().map(|u| u / 1e5).collect();
+        let rest: Vec<f64> = (0..rows * cols).map(|i| b[i] - holds[i] * exact[i]).collect();
+        assert!(residual(&domain, &rest, &exact) < 1e-2, "{}", residual(&domain, &rest, &exact));
+        for (u, exact) in u.iter().zip(exact) {
+            assert!((u - exact).abs() < 10.0 * ACCURACY, "{u} {exact}");
+        }
         assert!(solve_held(&domain, &[1.0], &b, &Job::detached()).is_err());
     }
 

@@ -1,8 +1,10 @@
 //! Poisson's equation on cells: what a step at a seam is spread with.
 
 mod columns;
+mod iteration;
 pub mod masked;
 mod multigrid;
 pub mod natural;
 pub mod rectangle;
+mod rows;
 pub mod seam;

@@ -36,10 +36,10 @@ impl Plane {
         Self { rows, cols, along: both(cols), down: both(rows) }
     }
 
-    /// The spectrum, `cols` rows of `rows` wave numbers, of a field whose rows from `used` on are zero.
-    pub(super) fn forward(&self, mut field: Vec<Complex64>, used: usize) -> Vec<Complex64> {
-        run(&*self.along[0], &mut field[..used * self.cols]);
-        let mut turned = turn(&field, self.rows, self.cols);
+    /// The spectrum, `cols` rows of `rows` wave numbers, of a field whose rows beyond those given are zero.
+    pub(super) fn forward(&self, mut field: Vec<Complex64>) -> Vec<Complex64> {
+        run(&*self.along[0], &mut field);
+        let mut turned = turn(&field, self.cols, self.rows);
         run(&*self.down[0], &mut turned);
         turned
     }
@@ -47,7 +47,7 @@ impl Plane {
     /// The first `wanted` rows of the field of a spectrum.
     pub(super) fn inverse(&self, mut spectrum: Vec<Complex64>, wanted: usize) -> Vec<Complex64> {
         run(&*self.down[1], &mut spectrum);
-        let mut field = turn(&spectrum, self.cols, self.rows);
+        let mut field = turn(&spectrum, self.rows, self.cols);
         field.truncate(wanted * self.cols);
         run(&*self.along[1], &mut field);
         let scale = 1.0 / (self.rows * self.cols) as f64;
@@ -64,15 +64,17 @@ fn run(transform: &dyn Fft<f64>, rows: &mut [Complex64]) {
     );
 }
 
-fn turn(field: &[Complex64], rows: usize, cols: usize) -> Vec<Complex64> {
-    let mut out = vec![Complex64::new(0.0, 0.0); rows * cols];
-    out.par_chunks_mut(rows * TILE).enumerate().for_each(|(tile, out)| {
+/// A field of `cols` columns as one of rows of `stride`, zero beyond what it has.
+fn turn(field: &[Complex64], cols: usize, stride: usize) -> Vec<Complex64> {
+    let rows = field.len() / cols;
+    let mut out = vec![Complex64::new(0.0, 0.0); stride * cols];
+    out.par_chunks_mut(stride * TILE).enumerate().for_each(|(tile, out)| {
         let first = tile * TILE;
         for start in (0..rows).step_by(TILE) {
-            for (col, out) in out.chunks_mut(rows).enumerate() {
-                for row in start..(start + TILE).min(rows) {
-                    out[row] = field[row * cols + first + col];
-                }
+            for (col, out) in out.chunks_mut(stride).enumerate() {
+                let out = &mut out[start..(start + TILE).min(rows)];
+                let column = field[start * cols + first + col..].iter().step_by(cols);
+                out.iter_mut().zip(column).for_each(|(out, value)| *out = *value);
             }
         }
     });

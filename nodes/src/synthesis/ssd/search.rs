@@ -10,6 +10,9 @@ use crate::synthesis::{exemplar::Exemplar, network::Network, tps::Point};
 /// Cells of an exemplar that are searched at once at most; larger ones are searched coarser.
 const COARSE_CELLS: usize = 180_000;
 
+/// Places that are compared together.
+const LANES: usize = 5;
+
 /// An exemplar ready to be searched for windows of up to a certain size.
 pub struct Searcher<'a> {
     exemplar: &'a Exemplar,
@@ -93,7 +96,7 @@ impl<'a> Searcher<'a> {
         let (sum, known) =
             coarse.iter().filter(|h| !h.is_nan()).fold((0.0, 0.0), |(s, n), h| (s + h, n + 1.0));
         let mean = if known > 0.0 { sum / known } else { 0.0 };
-        let mut field = vec![Complex64::new(0.0, 0.0); n];
+        let mut field = vec![Complex64::new(0.0, 0.0); rows * plane.cols];
         for row in 0..rows {
             for col in 0..cols {
                 let height = coarse[row * cols + col] - mean;
@@ -102,7 +105,7 @@ impl<'a> Searcher<'a> {
                 }
             }
         }
-        let (heights, squares) = part(&plane.forward(field, rows), &plane);
+        let (heights, squares) = part(&plane.forward(field), &plane);
         let mut lines = vec![0.0; rows * cols];
         for network in networks {
             draw(network, factor, rows, cols, &mut lines);
@@ -142,15 +145,18 @@ impl<'a> Searcher<'a> {
         let refine = |samples: &[(usize, f64)], from: Found, reach: i64, step: usize| -> Found {
             let mut best = Found { mismatch: f64::INFINITY, ..from };
             for down in (-reach..=reach).step_by(step) {
-                for across in (-reach..=reach).step_by(step) {
-                    let (row, col) = (from.row as i64 + down, from.col as i64 + across);
-                    if !fits(row, col) {
-                        continue;
-                    }
-                    let (row, col) = (row as usize, col as usize);
-                    let found = self.compare(samples, row, col, query.lift, best.mismatch);
-                    if found.mismatch < best.mismatch {
-                        best = found;
+                let row = from.row as i64 + down;
+                let cols: Vec<usize> = (-reach..=reach)
+                    .step_by(step)
+                    .map(|across| from.col as i64 + across)
+                    .filter(|&col| fits(row, col))
+                    .map(|col| col as usize)
+                    .collect();
+                for cols in cols.chunks(LANES) {
+                    for found in self.compare(samples, row as usize, cols, query.lift) {
+                        if found.mismatch < best.mismatch {
+                            best = found;
+                        }
                     }
                 }
             }
@@ -174,27 +180,32 @@ impl<'a> Searcher<'a> {
         Ok(found)
     }
 
-    /// Compares cell by cell; gives up beyond `most`.
-    fn compare(
+    /// Compares cell by cell, at up to [`LANES`] columns together: one sum alone would wait for each of its additions.
+    fn compare<'b>(
         &self,
         samples: &[(usize, f64)],
         row: usize,
-        col: usize,
+        cols: &'b [usize],
         lift: Option<f64>,
-        most: f64,
-    ) -> Found {
-        let all_cols = self.exemplar.terrain.cols();
-        let cells = &self.exemplar.terrain.cells()[row * all_cols + col..];
-        let (mut sum, mut squares) = (0.0, 0.0);
+    ) -> impl Iterator<Item = Found> + 'b {
+        let terrain = &self.exemplar.terrain;
+        let cells = &terrain.cells()[row * terrain.cols()..];
+        // Lanes without a column repeat the first.
+        let lanes: [&[f32]; LANES] =
+            std::array::from_fn(|lane| &cells[cols.get(lane).copied().unwrap_or(cols[0])..]);
+        let (mut sums, mut squares) = ([0.0; LANES], [0.0; LANES]);
         for &(at, height) in samples {
-            let difference = height - f64::from(cells[at]);
-            sum += difference;
-            squares += difference * difference;
+            for lane in 0..LANES {
+                let difference = height - f64::from(lanes[lane][at]);
+                sums[lane] += difference;
+                squares[lane] += difference * difference;
+            }
         }
-        let _ = most;
-        let (mismatch, lift) =
-            if samples.is_empty() { (0.0, 0.0) } else { judge(samples.len() as f64, sum, squares, lift) };
-        Found { row, col, mismatch, lift }
+        let n = samples.len() as f64;
+        cols.iter().zip(sums.into_iter().zip(squares)).map(move |(&col, (sum, squares))| {
+            let (mismatch, lift) = if n > 0.0 { judge(n, sum, squares, lift) } else { (0.0, 0.0) };
+            Found { row, col, mismatch, lift }
+        })
     }
 
     /// Places worth a closer look: the best of each neighbourhood, as rows and columns of full resolution.
@@ -211,8 +222,7 @@ impl<'a> Searcher<'a> {
         if h > self.rows || w > self.cols {
             return Ok(Vec::new());
         }
-        let (mut field, mut open) =
-            (vec![Complex64::new(0.0, 0.0); self.plane.rows * self.plane.cols], vec![false; h * w]);
+        let (mut field, mut open) = (vec![Complex64::new(0.0, 0.0); h * self.plane.cols], vec![false; h * w]);
         let (mut n, mut sum, mut square) = (0.0, 0.0, 0.0);
         for row in 0..h {
             for col in 0..w {
@@ -239,7 +249,7 @@ impl<'a> Searcher<'a> {
         let (last_row, last_col) = (self.rows - h, self.cols - w);
         let mut spots: Vec<(f64, usize, usize)> = Vec::new();
         let block = ((h.min(w)) / 8).max(1);
-        let correlated = if n > 0.0 { Some(self.correlate(field, h, last_row + 1)) } else { None };
+        let correlated = if n > 0.0 { Some(self.correlate(field, last_row + 1)) } else { None };
         job.check()?;
         for block_row in (0..=last_row).step_by(block) {
             for block_col in (0..=last_col).step_by(block) {
@@ -301,43 +311,51 @@ impl<'a> Searcher<'a> {
     }
 
     /// `-2 (S ⋆ mT) + S² ⋆ m` and, as imaginary part, `S ⋆ m`, of a field mT + i m.
-    fn correlate(&self, field: Vec<Complex64>, used: usize, wanted: usize) -> Vec<Complex64> {
-        let (template, mask) = part(&self.plane.forward(field, used), &self.plane);
-        let product: Vec<Complex64> = template
-            .par_iter()
-            .zip(&mask)
-            .zip(self.heights.par_iter().zip(&self.squares))
-            .map(|((t, m), (s, s2))| {
-                let (t, m) = (t.conj(), m.conj());
-                let squares = s * t * -2.0 + s2 * m;
-                let sums = s * m;
+    fn correlate(&self, field: Vec<Complex64>, wanted: usize) -> Vec<Complex64> {
+        let spectrum = self.plane.forward(field);
+        let mut product = vec![Complex64::new(0.0, 0.0); spectrum.len()];
+        let cols = self.plane.rows;
+        product.par_chunks_mut(cols).enumerate().for_each(|(row, product)| {
+            let (heights, squares) =
+                (&self.heights[row * cols..][..cols], &self.squares[row * cols..][..cols]);
+            parts(&spectrum, &self.plane, row, |col, template, mask| {
+                let (t, m) = (template.conj(), mask.conj());
+                let squares = heights[col] * t * -2.0 + squares[col] * m;
+                let sums = heights[col] * m;
                 // Both are spectra of real fields: one transform brings both back.
-                Complex64::new(squares.re - sums.im, squares.im + sums.re)
-            })
-            .collect();
+                product[col] = Complex64::new(squares.re - sums.im, squares.im + sums.re);
+            });
+        });
         self.plane.inverse(product, wanted)
     }
 }
 
 /// The spectra of the real and of the imaginary part of a field.
 fn part(spectrum: &[Complex64], plane: &Plane) -> (Vec<Complex64>, Vec<Complex64>) {
-    // Spectra lie transposed: rows here are wave numbers along a row of the field.
-    let (rows, cols) = (plane.cols, plane.rows);
     let mut real = vec![Complex64::new(0.0, 0.0); spectrum.len()];
     let mut imaginary = real.clone();
-    real.par_chunks_mut(cols).zip(imaginary.par_chunks_mut(cols)).enumerate().for_each(
-        |(row, (real, imaginary))| {
-            let opposite = &spectrum[(rows - row) % rows * cols..][..cols];
-            let own = &spectrum[row * cols..][..cols];
-            for col in 0..cols {
-                let (a, b) = (own[col], opposite[(cols - col) % cols].conj());
-                real[col] = (a + b) * 0.5;
-                let odd = (a - b) * 0.5;
-                imaginary[col] = Complex64::new(odd.im, -odd.re);
-            }
-        },
-    );
+    let rows = real.par_chunks_mut(plane.rows).zip(imaginary.par_chunks_mut(plane.rows));
+    rows.enumerate().for_each(|(row, (real, imaginary))| {
+        parts(spectrum, plane, row, |col, own, other| (real[col], imaginary[col]) = (own, other));
+    });
     (real, imaginary)
+}
+
+/// Gives `take` each column of a row of both, with what the real and the imaginary part of the field have there.
+fn parts(
+    spectrum: &[Complex64],
+    plane: &Plane,
+    row: usize,
+    mut take: impl FnMut(usize, Complex64, Complex64),
+) {
+    // Spectra lie transposed: rows here are wave numbers along a row of the field.
+    let (rows, cols) = (plane.cols, plane.rows);
+    let opposite = &spectrum[(rows - row) % rows * cols..][..cols];
+    for (col, &a) in spectrum[row * cols..][..cols].iter().enumerate() {
+        let b = opposite[if col == 0 { 0 } else { cols - col }].conj();
+        let odd = (a - b) * 0.5;
+        take(col, (a + b) * 0.5, Complex64::new(odd.im, -odd.re));
+    }
 }
 
 /// Means of square blocks; NaN for a block with a void.
