@@ -8,7 +8,7 @@ use orograph_nodes::repair::{
     void_patch::{VoidPatch, VoidPatchIn},
 };
 
-const STIFF: Stiffness = Stiffness { stiffness: 1000.0 };
+const STIFF: Stiffness = Stiffness { stiffness: 700.0 };
 
 fn main() {
     divan::main();

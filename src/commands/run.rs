@@ -21,14 +21,15 @@ use crate::{
 pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     let registry = session::registry()?;
     let items = each::items(options)?;
-    let evaluator = session::evaluator(&options.evaluation)?;
     let cancel = session::cancel_on_signal();
+    // A graph that is wrong is refused before any folder is made.
+    let mut evaluator = None;
     let (n, mut failed) = (items.len(), 0);
     for Item { file, options } in items {
         if let Some(file) = file.filter(|_| !options.evaluation.quiet) {
             console::note(&format!("{}:", file.display()));
         }
-        match once(&options, &registry, &evaluator, &cancel) {
+        match once(&options, &registry, &mut evaluator, &cancel) {
             // The other files may do.
             Err(Failure::Node) if n > 1 => failed += 1,
             other => other?,
@@ -44,7 +45,7 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
 fn once(
     options: &RunOptions,
     registry: &Registry,
-    evaluator: &Evaluator,
+    evaluator: &mut Option<Evaluator>,
     cancel: &CancelToken,
 ) -> Result<(), Failure> {
     let compiled = session::load(&options.settings, registry)?;
@@ -56,6 +57,10 @@ fn once(
             "give one of them another `file`",
         ));
     }
+    let evaluator = match evaluator {
+        Some(evaluator) => evaluator,
+        None => evaluator.insert(session::evaluator(&options.evaluation)?),
+    };
     let request = Request {
         graph: Arc::new(targets.graph),
         outputs: targets.values.iter().map(|(_, output)| *output).collect(),

@@ -47,6 +47,7 @@ impl Node for ChaikinCompose {
     type Outputs = ChaikinComposeOut;
 
     fn run(&self, inputs: ChaikinComposeIn<'_>, job: &Job) -> Result<ChaikinComposeOut> {
+        job.check()?;
         let size = inputs.like.grid().size();
         let (rows, cols) = size;
         let Halving { axes, .. } = self.halving;

@@ -65,6 +65,7 @@ impl Node for ChaikinDecompose {
     type Outputs = ChaikinDecomposeOut;
 
     fn run(&self, inputs: ChaikinDecomposeIn<'_>, job: &Job) -> Result<ChaikinDecomposeOut> {
+        job.check()?;
         let (rows, cols) = inputs.terrain.grid().size();
         let short = match self.halving.axes {
             Axes::Both => rows.min(cols),
@@ -127,6 +128,7 @@ const BYTES: u64 = 40;
 pub(super) fn surface_of(raster: &Heightfield, what: &str, job: &Job<'_>) -> Result<Surface> {
     let size = raster.grid().size();
     job.admit(raster.grid().len() as u64 * BYTES, || format!("the halves of {} × {} cells", size.0, size.1))?;
+    job.check()?;
     if raster.void_count() > 0 {
         return Err(Error::invalid(
             format!("`{what}` has voids, of which nothing can be taken apart or put together"),

@@ -140,7 +140,7 @@ impl Rules {
             n_cut: if strict { usize::MAX } else { 3 },
             merge: (!strict).then_some(2.0 * patch as f64),
             lift: (!strict).then_some(0.1),
-            crest: if strict { 0.0 } else { 0.6 },
+            crest: if strict { 0.0 } else { 0.9 },
             seam_weight: SeamWeight::Plain,
             seam_gradient: if strict { SeamGradient::Zero } else { SeamGradient::Average },
             grow: 0,
@@ -149,7 +149,7 @@ impl Rules {
             variety: if strict { 1 } else { VARIETY as usize },
             transition: 0.0,
             terms: if strict { UserTerms::NONE } else { UserTerms::default() },
-            repetition: if strict { 0.0 } else { 0.25 },
+            repetition: if strict { 0.0 } else { 1.0 },
             max_uses: if strict { usize::MAX } else { 8 },
             seed: 0,
         }

@@ -48,7 +48,7 @@ pub struct Synthesise {
     pub lift: f64,
     /// What drawn lines stand out by from both sides at least, as a share of what lines of the exemplar usually do. Where
     /// patches do not, the ground is raised, or lowered along valleys; 0 leaves it.
-    #[param(default = 0.6, range = 0.0..=4.0, slider = 0.0..=1.5, unit = "1")]
+    #[param(default = 0.9, range = 0.0..=4.0, slider = 0.0..=1.5, unit = "1")]
     pub crest: f64,
     /// How the mismatch along a seam is weighed.
     #[param(default = SeamWeight::Plain)]
@@ -60,7 +60,7 @@ pub struct Synthesise {
     #[param(default = true)]
     pub mirror: bool,
     /// Weight of each earlier use of the same ground.
-    #[param(default = 0.25, range = 0.0..=100.0, slider = 0.0..=2.0, unit = "1")]
+    #[param(default = 1, range = 0.0..=100.0, slider = 0.0..=2.0, unit = "1")]
     pub repetition: f64,
     /// What candidates are judged by beside the paper's costs.
     #[param(flatten)]

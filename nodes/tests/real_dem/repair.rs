@@ -20,7 +20,7 @@ use orograph_nodes::{
 use crate::Check;
 
 /// The default.
-const STIFF: Stiffness = Stiffness { stiffness: 1000.0 };
+const STIFF: Stiffness = Stiffness { stiffness: 700.0 };
 
 /// Mountains in which voids are made.
 const MOUNTAINS: [&str; 6] = [

@@ -4,17 +4,14 @@
 //! square of the slope divided by that of a length: the tension. Differences are taken per metre; the whole is scaled by the
 //! square of a cell's area, which changes no minimum.
 
-use std::{
-    iter::Sum,
-    ops::{Add, Mul, Sub},
-};
+use std::ops::{Add, Mul, Sub};
 
 use orograph_core::CellSize;
 use rayon::prelude::*;
 
 /// What surfaces are counted in: `f64` for heights, `f32` for corrections to them.
 pub(super) trait Real:
-    Copy + Send + Sync + Default + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Sum
+    Copy + Send + Sync + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
     /// The nearest such number.
     fn of(number: f64) -> Self;
@@ -81,59 +78,56 @@ impl Bending {
             .collect()
     }
 
+    /// Sums of whole multiples of heights, weighed afterwards: rounded coefficients would not sum to zero, and over wide
+    /// plates that outweighs all bending.
     fn row<R: Real>(&self, surface: &[R], row: usize, out: &mut [R]) {
         let (rows, cols) = self.size;
-        let [xx, xy, yy] = self.weights;
+        let [xx, xy, yy] = self.weights.map(R::of);
+        let [along, across] = self.tension.map(R::of);
         // Beyond the plate every coefficient is zero, so that any row serves.
         let line = |offset: usize| {
             let row = (row + offset).saturating_sub(2).min(rows - 1);
             &surface[row * cols..(row + 1) * cols]
         };
         let lines = [0, 1, 2, 3, 4].map(line);
-        let [along, across] = self.tension;
-        let beside = second(rows, row);
-        let mut down = fourth(rows, row).map(|c| c * yy);
-        (0..3).for_each(|k| down[k + 1] += across * beside[k]);
-        let cross = beside.map(|c| c * xy);
+        let (down, beside) = (fourth(rows, row).map(R::of), second(rows, row).map(R::of));
+        let bend = |col: usize| {
+            let [a, b, c, d, e] = lines.map(|line| line[col]);
+            down[0] * a + down[1] * b + down[2] * c + down[3] * d + down[4] * e
+        };
+        let slope = |col: usize| {
+            let [_, b, c, d, _] = lines.map(|line| line[col]);
+            beside[0] * b + beside[1] * c + beside[2] * d
+        };
         let inner = 2..cols.saturating_sub(2).max(2);
         for col in (0..inner.start.min(cols)).chain(inner.end.min(cols)..cols) {
-            let beside =
-                |col: usize| cross.iter().zip(&lines[1..4]).map(|(c, line)| R::of(*c) * line[col]).sum::<R>();
-            let mut sum: R = down.iter().zip(lines).map(|(c, line)| R::of(*c) * line[col]).sum();
+            let mut sum = yy * bend(col) + across * slope(col);
             for (k, c) in second(cols, col).into_iter().enumerate().filter(|(_, c)| *c != 0.0) {
-                sum = sum + R::of(c) * (beside(col + k - 1) + R::of(along) * lines[2][col + k - 1]);
+                sum = sum + R::of(c) * (xy * slope(col + k - 1) + along * lines[2][col + k - 1]);
             }
             for (k, c) in fourth(cols, col).into_iter().enumerate().filter(|(_, c)| *c != 0.0) {
-                sum = sum + R::of(xx * c) * lines[2][col + k - 2];
+                sum = sum + xx * (R::of(c) * lines[2][col + k - 2]);
             }
             out[col] = sum;
         }
         if inner.is_empty() {
             return;
         }
-        // The same sum with its coefficients gathered, free of branches.
-        let [above, middle, below] = cross;
-        let [two_above, one_above, here, one_below, two_below] = [
-            down[0],
-            down[1] + 2.0 * above,
-            down[2] + 6.0 * xx + 2.0 * (middle + along),
-            down[3] + 2.0 * below,
-            down[4],
-        ]
-        .map(R::of);
-        let [above, below, near, far] = [above, below, -4.0 * xx - middle - along, xx].map(R::of);
-        let [far_above, near_above, line, near_below, far_below] = lines;
+        // The same free of branches.
+        let [two, four, six] = [2.0, 4.0, 6.0].map(R::of);
+        let [far_above, above, line, below, far_below] = lines;
         let ends = far_above[2..].iter().zip(&far_below[2..]);
-        let sides = near_above[1..].windows(3).zip(near_below[1..].windows(3));
-        for (((out, (up, down)), (a, b)), c) in
-            out[inner].iter_mut().zip(ends).zip(sides).zip(line.windows(5))
+        let sides = above[1..].windows(3).zip(below[1..].windows(3));
+        for (((out, (up, low)), (a, b)), c) in out[inner].iter_mut().zip(ends).zip(sides).zip(line.windows(5))
         {
-            *out = two_above * *up + two_below * *down + one_above * a[1] + one_below * b[1]
-                - above * (a[0] + a[2])
-                - below * (b[0] + b[2])
-                + far * (c[0] + c[4])
-                + near * (c[1] + c[3])
-                + here * c[2];
+            let bend = down[0] * *up + down[1] * a[1] + down[2] * c[2] + down[3] * b[1] + down[4] * *low;
+            let slope = |k: usize| beside[0] * a[k] + beside[1] * c[k + 1] + beside[2] * b[k];
+            let middle = slope(1);
+            *out = yy * bend
+                + xx * (c[0] + c[4] - four * (c[1] + c[3]) + six * c[2])
+                + xy * (two * middle - slope(0) - slope(2))
+                + along * (two * c[2] - c[1] - c[3])
+                + across * middle;
         }
     }
 }

@@ -37,7 +37,7 @@ pub(super) fn solve(
     let mut iteration = Iteration::new(&bending, free);
     let mut surface = start(heights, free, size);
     let mut derivative = vec![0.0; surface.len()];
-    let mut first = None;
+    let (mut first, mut before) = (None, f64::INFINITY);
     for _ in 0..CORRECTIONS {
         let residual = &mut iteration.residual;
         bending.derivative(&surface, &mut derivative, |_, _| ());
@@ -49,10 +49,11 @@ pub(super) fn solve(
         }
         let error = iteration.begin();
         let wanted = ERROR * *first.get_or_insert(error);
-        // NaN ends it, too.
-        if !(error > wanted) {
+        // NaN ends it, too, and so does what cannot be bettered with the digits that there are.
+        if !(error > wanted && error < before) {
             break;
         }
+        before = error;
         iteration.run(error, wanted.max(CORRECTION * error), job)?;
         surface
             .par_chunks_mut(cols)
