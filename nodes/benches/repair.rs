@@ -8,8 +8,6 @@ use orograph_nodes::repair::{
     void_patch::{VoidPatch, VoidPatchIn},
 };
 
-const STIFF: Stiffness = Stiffness { stiffness: 700.0 };
-
 fn main() {
     divan::main();
 }
@@ -72,7 +70,7 @@ fn thin_plate(bencher: Bencher, (side, cells): (usize, usize)) {
     let terrain = holed(side, cells);
     bencher
         .counter(ItemsCount::new(cells))
-        .bench_local(|| thin_plate_fill(&terrain, None, STIFF, &Job::detached()));
+        .bench_local(|| thin_plate_fill(&terrain, None, Stiffness::default(), &Job::detached()));
 }
 
 #[divan::bench(args = VOIDS)]
@@ -94,5 +92,5 @@ fn rebuild_by_thin_plate(bencher: Bencher) {
         .for_each(|(_, height)| *height = f32::NAN);
     bencher
         .counter(ItemsCount::new(1025_usize * 1025))
-        .bench_local(|| thin_plate_fill(&terrain, None, STIFF, &Job::detached()));
+        .bench_local(|| thin_plate_fill(&terrain, None, Stiffness::default(), &Job::detached()));
 }

@@ -208,8 +208,7 @@ mod tests {
             };
             let terrain = holed(waves);
             let out = run(&terrain);
-            let filled =
-                thin_plate_fill(&terrain, None, Stiffness { stiffness: 700.0 }, &Job::detached()).unwrap();
+            let filled = thin_plate_fill(&terrain, None, Stiffness::default(), &Job::detached()).unwrap();
             for row in 50..70 {
                 for col in 40..75 {
                     squares += (f64::from(filled.at(row, col)) - waves(row, col)).powi(2);

@@ -17,7 +17,7 @@ fn is_void(row: usize, col: usize) -> bool {
 
 fn holed() -> (Heightfield, Heightfield) {
     let terrain = field(120, 120, |row, col| if is_void(row, col) { f64::NAN } else { rough(row, col) });
-    let smooth = thin_plate_fill(&terrain, None, Stiffness { stiffness: 700.0 }, &Job::detached()).unwrap();
+    let smooth = thin_plate_fill(&terrain, None, Stiffness::default(), &Job::detached()).unwrap();
     (terrain, smooth)
 }
 
