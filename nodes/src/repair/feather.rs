@@ -156,7 +156,7 @@ mod tests {
     #[test]
     fn a_patch_that_is_too_high_comes_down_to_its_rim() {
         let plane = |row: usize, col: usize| 3.0 * row as f64 + 2.0 * col as f64;
-        let details = |row: usize, col: usize| f64::from(u8::from((row + col) % 2 == 0));
+        let details = |row: usize, col: usize| f64::from(u8::from((row + col).is_multiple_of(2)));
         let patched = |row: usize, col: usize| {
             plane(row, col) + 50.0 + if is_void(row, col) { details(row, col) } else { 0.0 }
         };

@@ -29,15 +29,15 @@ impl Void {
     }
 }
 
-/// The cells east, south, west and north of a cell, in a raster of `rows` × `cols`.
+/// The cells west, north, east and south of a cell, in a raster of `rows` × `cols`.
 #[must_use]
 pub fn around(i: usize, (rows, cols): (usize, usize)) -> [Option<usize>; 4] {
     let (row, col) = (i / cols, i % cols);
     [
-        (col + 1 < cols).then_some(i + 1),
-        (row + 1 < rows).then_some(i + cols),
         (col > 0).then(|| i - 1),
         (row > 0).then(|| i - cols),
+        (col + 1 < cols).then_some(i + 1),
+        (row + 1 < rows).then_some(i + cols),
     ]
 }
 

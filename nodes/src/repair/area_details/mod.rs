@@ -174,6 +174,7 @@ impl Patch {
         details: &Details,
         job: &Job<'_>,
     ) -> Result<Self> {
+        job.check()?;
         let size = terrain.grid().size();
         let mut patch = Self { heights: Vec::new(), frame: None, source: None, gain: 0.0 };
         patch.frame = Frame::around(void, details.margin as usize, details.levels, size);

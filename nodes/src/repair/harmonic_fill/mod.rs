@@ -10,6 +10,7 @@ mod system;
 use orograph_core::prelude::*;
 use rayon::prelude::*;
 
+use super::voids::{self, around};
 use system::{NONE, System};
 
 /// Fills holes with the smoothest surface that meets their rim; every other cell is unchanged.
@@ -77,24 +78,28 @@ pub fn harmonic_fill(terrain: &Heightfield, holes: Option<&Mask>, job: &Job<'_>)
     if n >= u64::from(NONE) {
         return Err(Error::TooLarge { what: format!("a fill of {n} cells"), bytes, limit: u64::from(NONE) });
     }
-    let (components, local) = components(rows, cols, is_hole, job)?;
+    let holes = voids::find((rows, cols), 0, is_hole, job)?;
+    let mut local = vec![NONE; rows * cols];
+    for hole in &holes {
+        hole.cells.iter().enumerate().for_each(|(number, &i)| local[i] = number as u32);
+    }
     let cell = terrain.grid().cell;
     let widest = cell.x.min(cell.y);
     let weights = ((widest / cell.x) * (widest / cell.x), (widest / cell.y) * (widest / cell.y));
     let done = job.stage(n);
-    let solved: Vec<Option<Vec<f32>>> = components
+    let solved: Vec<Option<Vec<f32>>> = holes
         .par_iter()
-        .map(|cells| {
-            let heights = solve(terrain, cells, &local, weights, job);
-            done.advance(cells.len() as u64);
+        .map(|hole| {
+            let heights = solve(terrain, &hole.cells, &local, weights, job);
+            done.advance(hole.cells.len() as u64);
             heights
         })
         .collect::<Result<_>>()?;
     let mut rimless = 0;
-    for (cells, heights) in components.iter().zip(solved) {
+    for (hole, heights) in holes.iter().zip(solved) {
         match heights {
             Some(heights) => {
-                cells.iter().zip(heights).for_each(|(&i, height)| out.cells_mut()[i] = height);
+                hole.cells.iter().zip(heights).for_each(|(&i, height)| out.cells_mut()[i] = height);
             }
             None => rimless += 1,
         }
@@ -103,54 +108,6 @@ pub fn harmonic_fill(terrain: &Heightfield, holes: Option<&Mask>, job: &Job<'_>)
         job.warn(format!("{rimless} holes have no measured rim and stay void"));
     }
     Ok(out)
-}
-
-/// Connected holes in row-major order of their first cell, each with its cells in row-major order, and for each cell of
-/// the raster its number within its hole.
-fn components(
-    rows: usize,
-    cols: usize,
-    is_hole: impl Fn(usize) -> bool,
-    job: &Job<'_>,
-) -> Result<(Vec<Vec<usize>>, Vec<u32>)> {
-    let mut local = vec![NONE; rows * cols];
-    let mut found = Vec::new();
-    let mut stack = Vec::new();
-    for first in 0..rows * cols {
-        if first % cols == 0 {
-            job.check()?;
-        }
-        if local[first] != NONE || !is_hole(first) {
-            continue;
-        }
-        let mut cells = Vec::new();
-        local[first] = 0;
-        stack.push(first);
-        while let Some(i) = stack.pop() {
-            cells.push(i);
-            for next in neighbours(i, rows, cols).into_iter().flatten() {
-                if local[next] == NONE && is_hole(next) {
-                    local[next] = 0;
-                    stack.push(next);
-                }
-            }
-        }
-        cells.sort_unstable();
-        cells.iter().enumerate().for_each(|(number, &i)| local[i] = number as u32);
-        found.push(cells);
-    }
-    Ok((found, local))
-}
-
-/// The cells west, north, east and south of a cell.
-fn neighbours(i: usize, rows: usize, cols: usize) -> [Option<usize>; 4] {
-    let (row, col) = (i / cols, i % cols);
-    [
-        (col > 0).then(|| i - 1),
-        (row > 0).then(|| i - cols),
-        (col + 1 < cols).then_some(i + 1),
-        (row + 1 < rows).then_some(i + cols),
-    ]
 }
 
 /// The heights of one hole; `None` when it has neither rim nor heights of its own.
@@ -169,7 +126,7 @@ fn solve(
     for &i in cells {
         let mut near = [NONE; 4];
         let mut diagonal = 0.0;
-        for (side, next) in neighbours(i, rows, cols).into_iter().enumerate() {
+        for (side, next) in around(i, (rows, cols)).into_iter().enumerate() {
             let Some(next) = next else { continue };
             near[side] = local[next];
             if local[next] == NONE {
@@ -197,7 +154,7 @@ fn solve(
     let right: Vec<f64> = cells
         .iter()
         .map(|&i| {
-            let sides = neighbours(i, rows, cols).into_iter().enumerate();
+            let sides = around(i, (rows, cols)).into_iter().enumerate();
             let known = sides.filter_map(|(side, next)| Some((side, next?)));
             known
                 .filter(|&(_, next)| local[next] == NONE && !heights[next].is_nan())

@@ -164,6 +164,10 @@ mod tests {
 
     const STIFF: f64 = 45.0;
 
+    fn square(value: f64) -> f64 {
+        value * value
+    }
+
     fn energy(surface: &[f64], (rows, cols): (usize, usize), cell: CellSize) -> f64 {
         let at = |row: usize, col: usize| surface[row * cols + col];
         let mut sum = 0.0;
@@ -178,18 +182,18 @@ mod tests {
                     sum += yy * yy;
                 }
                 if row + 1 < rows {
-                    sum += ((at(row + 1, col) - at(row, col)) / (cell.y * STIFF)).powi(2);
+                    sum += square((at(row + 1, col) - at(row, col)) / (cell.y * STIFF));
                 }
                 if col + 1 < cols {
-                    sum += ((at(row, col + 1) - at(row, col)) / (cell.x * STIFF)).powi(2);
+                    sum += square((at(row, col + 1) - at(row, col)) / (cell.x * STIFF));
                 }
                 if row + 1 < rows && col + 1 < cols {
                     let xy = at(row + 1, col + 1) - at(row + 1, col) - at(row, col + 1) + at(row, col);
-                    sum += 2.0 * (xy / (cell.x * cell.y)).powi(2);
+                    sum += 2.0 * square(xy / (cell.x * cell.y));
                 }
             }
         }
-        sum * (cell.x * cell.y).powi(2)
+        sum * square(cell.x * cell.y)
     }
 
     #[test]

@@ -9,8 +9,9 @@ use super::{
     start::start,
 };
 
-/// Bytes for each cell of a plate: the surface and its derivative, four vectors of the iteration, and the splines.
-pub(super) const BYTES: u64 = 2 * 8 + 4 * 4 + 2 + 8 + Levels::BYTES;
+/// Bytes for each cell of a plate: the surface and its derivative, four vectors of the iteration, the means that the first
+/// guess is made of, and the splines.
+pub(super) const BYTES: u64 = 2 * 8 + 4 * 4 + 2 + 24 + Levels::BYTES;
 
 /// Share of the bending energy at the start that the error may have at the end, and that of a correction's own.
 const ERROR: f64 = 1e-9;
@@ -35,7 +36,7 @@ pub(super) fn solve(
     let cols = size.1;
     let bending = Bending::new(size, cell, stiff);
     let mut iteration = Iteration::new(&bending, free);
-    let mut surface = start(heights, free, size);
+    let mut surface = start(heights, free, size, job)?;
     let mut derivative = vec![0.0; surface.len()];
     let (mut first, mut before) = (None, f64::INFINITY);
     for _ in 0..CORRECTIONS {
@@ -97,7 +98,7 @@ impl<'a> Iteration<'a> {
         for _ in 0..STEPS {
             job.check()?;
             let bent = self.bend();
-            if !(bent > 0.0) {
+            if bent.is_nan() || bent <= 0.0 {
                 break;
             }
             let step = (error / bent) as f32;
@@ -115,7 +116,7 @@ impl<'a> Iteration<'a> {
                     }
                 });
             let next = self.precondition();
-            if !(next > wanted) {
+            if next.is_nan() || next <= wanted {
                 break;
             }
             let turn = (next / error) as f32;

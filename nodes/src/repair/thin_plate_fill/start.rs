@@ -1,16 +1,33 @@
 //! A first guess: means of known cells over squares of doubling size, smoothed on the way back.
 
+use orograph_core::{Job, Result};
+use rayon::prelude::*;
+
+/// Cells that one task takes at least.
+const CELLS: usize = 1 << 14;
+
 /// Heights at free cells from the known ones around, near and far; known cells keep theirs. Zero where nothing is known.
-pub(super) fn start(heights: &[f64], free: &[bool], (rows, cols): (usize, usize)) -> Vec<f64> {
+///
+/// # Errors
+/// [`Error::Cancelled`](orograph_core::Error::Cancelled).
+pub(super) fn start(
+    heights: &[f64],
+    free: &[bool],
+    (rows, cols): (usize, usize),
+    job: &Job<'_>,
+) -> Result<Vec<f64>> {
+    let each = |n: usize| (0..n).into_par_iter().with_min_len(CELLS);
     let known =
-        (0..rows * cols).map(|i| if free[i] { (0.0, 0.0) } else { (heights[i] as f32, 1.0) }).collect();
+        each(rows * cols).map(|i| if free[i] { (0.0, 0.0) } else { (heights[i] as f32, 1.0) }).collect();
     let mut levels: Vec<Means> = vec![Means { size: (rows, cols), cells: known }];
     while let Some(last) = levels.last().filter(|last| last.size.0 * last.size.1 > 1 && last.has_gaps()) {
+        job.check()?;
         levels.push(last.halved());
     }
     let mut coarse: Option<(Vec<f32>, (usize, usize))> = None;
     for level in levels.iter().rev() {
-        let filled = (0..level.cells.len()).map(|i| {
+        job.check()?;
+        let filled = each(level.cells.len()).map(|i| {
             let (mean, weight) = level.cells[i];
             match &coarse {
                 _ if weight > 0.0 => mean,
@@ -21,7 +38,7 @@ pub(super) fn start(heights: &[f64], free: &[bool], (rows, cols): (usize, usize)
         coarse = Some((filled.collect(), level.size));
     }
     let guess = coarse.map_or_else(Vec::new, |(cells, _)| cells);
-    (0..rows * cols).map(|i| if free[i] { f64::from(guess[i]) } else { heights[i] }).collect()
+    Ok(each(rows * cols).map(|i| if free[i] { f64::from(guess[i]) } else { heights[i] }).collect())
 }
 
 /// Means of known cells and how many there are.
@@ -49,7 +66,8 @@ impl Means {
             }
             if weights > 0.0 { (sum / weights, weights) } else { (0.0, 0.0) }
         };
-        Self { size, cells: (0..size.0 * size.1).map(mean).collect() }
+        let cells = (0..size.0 * size.1).into_par_iter().with_min_len(CELLS).map(mean).collect();
+        Self { size, cells }
     }
 }
 
@@ -74,11 +92,13 @@ mod tests {
         let (rows, cols) = (13, 22);
         let heights: Vec<f64> = (0..rows * cols).map(|i| (i % 17) as f64).collect();
         let free: Vec<bool> = (0..rows * cols).map(|i| i % 11 != 0).collect();
-        let guess = start(&heights, &free, (rows, cols));
+        let start =
+            |heights: &[f64], free: &[bool]| start(heights, free, (rows, cols), &Job::detached()).unwrap();
+        let guess = start(&heights, &free);
         assert!((0..guess.len()).all(|i| free[i] || guess[i] == heights[i]));
         assert!(guess.iter().all(|height| (0.0..=16.0).contains(height)));
-        assert!(start(&heights, &vec![true; rows * cols], (rows, cols)).iter().all(|height| *height == 0.0));
-        let level = start(&vec![5.0; rows * cols], &free, (rows, cols));
+        assert!(start(&heights, &vec![true; rows * cols]).iter().all(|height| *height == 0.0));
+        let level = start(&vec![5.0; rows * cols], &free);
         assert!(level.iter().all(|height| (height - 5.0).abs() < 1e-5));
     }
 }

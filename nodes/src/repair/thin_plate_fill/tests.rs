@@ -93,10 +93,8 @@ fn the_surface_is_that_of_a_dense_solve() {
     for k in 0..m {
         for i in k + 1..m {
             let share = matrix[i][k] / matrix[k][k];
-            for j in k..=m {
-                let above = matrix[k][j];
-                matrix[i][j] -= share * above;
-            }
+            let above = matrix[k].clone();
+            matrix[i].iter_mut().zip(&above).skip(k).for_each(|(value, above)| *value -= share * above);
         }
     }
     let mut solution = vec![0.0; m];

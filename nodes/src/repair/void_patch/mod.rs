@@ -2,7 +2,7 @@
 //!
 //! Wecker, J. D. B., Samavati, F. F. and Gavrilova, M. L. (2007), "Contextual void patching for digital elevation models",
 //! The Visual Computer 23. Departures of the default: the smooth patch is a thin plate, which lies nearer to the truth than
-//! curves; and the details are those of [`area_details`](super::area_details). Both are parameters, and
+//! curves; and the details are those of [`area_details`]. Both are parameters, and
 //! [`Preset::PaperStrict`] has none of them.
 
 use orograph_core::prelude::*;

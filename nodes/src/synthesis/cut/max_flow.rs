@@ -3,7 +3,7 @@
 //! After Boykov and Kolmogorov 2004: two search trees, one from each set of pins, grow towards each other; where they
 //! touch, flow is pushed, and cells cut off from their tree look for another parent instead of the trees being grown
 //! anew. Departures: neighbours are implicit, four to a cell; as pins are infinitely strong they are roots that never run
-//! dry, so no cell needs terminal capacities; and the trees begin with the flow of [`potential_flow`], which is often
+//! dry, so no cell needs terminal capacities; and the trees begin with the flow of `potential_flow`, which is often
 //! maximal already.
 
 mod potential_flow;
