@@ -1,7 +1,10 @@
 //! Ridges of rough ground, a sketch of wide strokes, a plan and its adherence.
 
+mod ground;
+
 use divan::{Bencher, counter::ItemsCount};
-use orograph_core::{CellSize, Grid, Heightfield, Job, Node, key, signed_unit};
+use ground::rough;
+use orograph_core::{CellSize, Grid, Heightfield, Job, Node};
 use orograph_nodes::feature::{
     adherence::{Adherence, AdherenceIn},
     from_sketch::{FromSketch, FromSketchIn},
@@ -11,25 +14,6 @@ use orograph_nodes::feature::{
 
 fn main() {
     divan::main();
-}
-
-/// Fractal noise of value lattices.
-fn rough(rows: usize, cols: usize) -> Heightfield {
-    let lattice = |octave: u64, x: usize, y: usize| signed_unit(key(1, octave, x as i64, y as i64));
-    let height = |row: usize, col: usize| {
-        (0..8).fold(0.0, |sum, octave| {
-            let step = 512_usize >> octave;
-            let (x, y, fx, fy) = (col / step, row / step, (col % step) as f64, (row % step) as f64);
-            let (fx, fy) = (fx / step as f64, fy / step as f64);
-            let at = |dx, dy| lattice(octave, x + dx, y + dy);
-            let top = at(0, 0) + (at(1, 0) - at(0, 0)) * fx;
-            let bottom = at(0, 1) + (at(1, 1) - at(0, 1)) * fx;
-            sum + (top + (bottom - top) * fy) * 1000.0 / f64::from(1 << octave)
-        })
-    };
-    let grid = Grid::new(rows, cols, CellSize::square(10.0)).expect("the sides are small");
-    let cells = (0..rows * cols).map(|i| height(i / cols, i % cols) as f32).collect();
-    Heightfield::new(grid, cells).expect("one height a cell")
 }
 
 /// A bright cross with a ring around it.
@@ -48,7 +32,7 @@ fn sketch(side: usize, width: f64) -> Heightfield {
 /// Working cells of 5 × 5 cells, and the cells themselves.
 #[divan::bench(args = [(1201, 1201, 5), (2401, 3601, 5), (4097, 4097, 5), (1025, 1025, 1)], sample_count = 5)]
 fn ppa(bencher: Bencher, (rows, cols, working_cell): (usize, usize, u32)) {
-    let terrain = rough(rows, cols);
+    let terrain = rough((rows, cols), 10.0, 8, 1000.0);
     let node = Ppa { working_cell, ..Ppa::default() };
     bencher
         .counter(ItemsCount::new(rows * cols))
@@ -72,7 +56,7 @@ fn plan_of_a_sketch(bencher: Bencher) {
 
 #[divan::bench(sample_count = 5)]
 fn adherence(bencher: Bencher) {
-    let (sketch, terrain) = (sketch(1000, 15.0), rough(1000, 1000));
+    let (sketch, terrain) = (sketch(1000, 15.0), rough((1000, 1000), 10.0, 8, 1000.0));
     let drawn = FromSketch::default().run(FromSketchIn { sketch: &sketch }, &Job::detached());
     let drawn = drawn.expect("the sketch is sound").features;
     let node = Adherence::default();

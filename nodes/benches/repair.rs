@@ -1,7 +1,10 @@
 //! Voids of a rough terrain, and a terrain rebuilt from few samples.
 
+mod ground;
+
 use divan::{Bencher, counter::ItemsCount};
-use orograph_core::{CellSize, Grid, Heightfield, Job, Node, key, signed_unit, unit};
+use ground::rough;
+use orograph_core::{Heightfield, Job, Node, key, unit};
 use orograph_nodes::repair::{
     harmonic_fill::harmonic_fill,
     thin_plate_fill::{Stiffness, thin_plate_fill},
@@ -12,28 +15,9 @@ fn main() {
     divan::main();
 }
 
-/// Fractal noise of value lattices, over cells of 90 m.
-fn rough(rows: usize, cols: usize) -> Heightfield {
-    let lattice = |octave: u64, x: usize, y: usize| signed_unit(key(1, octave, x as i64, y as i64));
-    let height = |row: usize, col: usize| {
-        (0..9).fold(0.0, |sum, octave| {
-            let step = 512_usize >> octave;
-            let (x, y, fx, fy) = (col / step, row / step, (col % step) as f64, (row % step) as f64);
-            let (fx, fy) = (fx / step as f64, fy / step as f64);
-            let at = |dx, dy| lattice(octave, x + dx, y + dy);
-            let top = at(0, 0) + (at(1, 0) - at(0, 0)) * fx;
-            let bottom = at(0, 1) + (at(1, 1) - at(0, 1)) * fx;
-            sum + (top + (bottom - top) * fy) * 2000.0 / f64::from(1 << octave)
-        })
-    };
-    let grid = Grid::new(rows, cols, CellSize::square(90.0)).expect("the sides are small");
-    let cells = (0..rows * cols).map(|i| height(i / cols, i % cols) as f32).collect();
-    Heightfield::new(grid, cells).expect("one height a cell")
-}
-
 /// Discs of 10 to 100 cells across, about so many cells in all.
 fn holed(side: usize, cells: usize) -> Heightfield {
-    let mut terrain = rough(side, side);
+    let mut terrain = rough((side, side), 90.0, 9, 2000.0);
     let mut done = 0;
     for which in 0.. {
         if done >= cells {
@@ -82,7 +66,7 @@ fn harmonic(bencher: Bencher, (side, cells): (usize, usize)) {
 /// A terrain of 1025² rebuilt from 3.4 % of its cells.
 #[divan::bench]
 fn rebuild_by_thin_plate(bencher: Bencher) {
-    let mut terrain = rough(1025, 1025);
+    let mut terrain = rough((1025, 1025), 90.0, 9, 2000.0);
     let lost = |i: usize| unit(key(5, 5, i as i64, 0)) > 0.034;
     terrain
         .cells_mut()

@@ -6,7 +6,7 @@
 //! its own gradient in every cell that has a neighbour in both directions.
 
 use glam::DVec2;
-use orograph_core::Heightfield;
+use orograph_core::{CellSize, Heightfield};
 use pulp::{Arch, NullaryFnOnce};
 
 /// Cells of a row worked out together; few enough for the nearest cache.
@@ -145,6 +145,21 @@ fn differences([nw, n, ne, w, _, e, sw, s, se]: [f64; 9]) -> [f64; 2] {
     let east = (ne + 2.0 * e + se) - (nw + 2.0 * w + sw);
     let north = (nw + 2.0 * n + ne) - (sw + 2.0 * s + se);
     [east, north]
+}
+
+/// Laplacian in 1/m between cells so far apart; `None` where one of them is not known or outside.
+pub(crate) fn laplacian(terrain: &Heightfield, [row, col]: [usize; 2], apart: usize) -> Option<f64> {
+    let (rows, cols) = terrain.grid().size();
+    if row < apart || col < apart || row + apart >= rows || col + apart >= cols {
+        return None;
+    }
+    let height = |row: usize, col: usize| f64::from(terrain.at(row, col));
+    let CellSize { x, y } = terrain.grid().cell;
+    let twice = 2.0 * height(row, col);
+    let across = (height(row, col - apart) - twice + height(row, col + apart)) / (x * x);
+    let down = (height(row - apart, col) - twice + height(row + apart, col)) / (y * y);
+    let value = (across + down) / (apart * apart) as f64;
+    value.is_finite().then_some(value)
 }
 
 /// Steepness of a gradient, in degrees from the level: 0 to 90.

@@ -12,6 +12,7 @@ use super::{
     slope_distance::slope_distance,
     sums::{Moments, per_row},
 };
+use crate::surface::laplacian;
 
 /// Measures a terrain against a reference: errors, roughness, slopes and exactness at known cells.
 ///
@@ -107,7 +108,7 @@ fn roughness_ratio(
     let deviation = |of_terrain: bool| {
         let each = |row: usize, hear: &mut dyn FnMut(f64)| {
             for col in (0..cols).filter(|&col| inside(mask, row, col)) {
-                let pair = (laplacian(terrain, row, col), laplacian(reference, row, col));
+                let pair = (laplacian(terrain, [row, col], 1), laplacian(reference, [row, col], 1));
                 if let (Some(own), Some(true_one)) = pair {
                     hear(if of_terrain { own } else { true_one });
                 }
@@ -161,20 +162,6 @@ fn refuse_infinite(what: &str, field: &Heightfield) -> Result<()> {
 
 fn inside(mask: Option<&Mask>, row: usize, col: usize) -> bool {
     mask.is_none_or(|mask| mask.at(row, col) >= 0.5)
-}
-
-/// Curvature in 1/m from a cell and its four neighbours; `None` where one of them is void or outside.
-fn laplacian(field: &Heightfield, row: usize, col: usize) -> Option<f64> {
-    let (rows, cols) = field.grid().size();
-    if row == 0 || col == 0 || row + 1 >= rows || col + 1 >= cols {
-        return None;
-    }
-    let height = |row, col| f64::from(field.at(row, col));
-    let cell = field.grid().cell;
-    let twice = 2.0 * height(row, col);
-    let along = (height(row, col - 1) - twice + height(row, col + 1)) / (cell.x * cell.x);
-    let across = (height(row - 1, col) - twice + height(row + 1, col)) / (cell.y * cell.y);
-    Some(along + across).filter(|value| value.is_finite())
 }
 
 /// How many cells are known, and how many of those the terrain has to the bit.

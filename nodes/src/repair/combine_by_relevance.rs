@@ -4,7 +4,7 @@
 
 use orograph_core::prelude::*;
 
-use super::harmonic_fill::harmonic_fill;
+use super::{harmonic_fill::harmonic_fill, voids::fill_by_cell};
 
 /// Joins patches of the same voids, such as those of `repair.curve_patch`: what lies nearer to known ground counts more.
 ///
@@ -51,13 +51,9 @@ impl Node for CombineByRelevance {
         {
             terrain.grid().match_size("terrain", raster.grid(), name)?;
         }
-        let combined = Heightfield::build(terrain.grid().clone(), job, |row, out| {
-            for (col, (out, &height)) in out.iter_mut().zip(terrain.row(row)).enumerate() {
-                let at =
-                    |i: usize| (f64::from(patches[i].at(row, col)), f64::from(distances[i].at(row, col)));
-                *out = if height.is_nan() { relevant((0..patches.len()).map(at)) as f32 } else { height };
-            }
-            Ok(())
+        let combined = fill_by_cell(terrain, job, |row, col| {
+            let at = |i: usize| (f64::from(patches[i].at(row, col)), f64::from(distances[i].at(row, col)));
+            relevant((0..patches.len()).map(at)) as f32
         })?;
         Ok(CombineByRelevanceOut { terrain: close(combined, job)? })
     }

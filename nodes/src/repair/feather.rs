@@ -2,7 +2,10 @@
 
 use orograph_core::prelude::*;
 
-use super::{harmonic_fill::harmonic_fill, voids::around};
+use super::{
+    harmonic_fill::harmonic_fill,
+    voids::{around, fill_by_cell},
+};
 
 /// How patches are feathered.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,22 +82,8 @@ pub fn feather(
     match joining.feather {
         Feather::HarmonicOffset => harmonic_offset(terrain, patch, job),
         Feather::Average => average(terrain, patch, joining.feather_radius as usize, job),
-        Feather::None => by_cell(terrain, job, |row, col| patch.at(row, col)),
+        Feather::None => fill_by_cell(terrain, job, |row, col| patch.at(row, col)),
     }
-}
-
-/// Known heights kept, voids filled.
-fn by_cell(
-    terrain: &Heightfield,
-    job: &Job<'_>,
-    fill: impl Fn(usize, usize) -> f32 + Sync,
-) -> Result<Heightfield> {
-    Heightfield::build(terrain.grid().clone(), job, |row, out| {
-        for (col, (out, &height)) in out.iter_mut().zip(terrain.row(row)).enumerate() {
-            *out = if height.is_nan() { fill(row, col) } else { height };
-        }
-        Ok(())
-    })
 }
 
 fn harmonic_offset(terrain: &Heightfield, patch: &Heightfield, job: &Job<'_>) -> Result<Heightfield> {
@@ -113,7 +102,7 @@ fn harmonic_offset(terrain: &Heightfield, patch: &Heightfield, job: &Job<'_>) ->
     })?;
     let steps = offset.cells().iter().any(|step| !step.is_nan() && *step != 0.0);
     let offset = if steps { harmonic_fill(&offset, None, job)? } else { offset };
-    by_cell(terrain, job, |row, col| {
+    fill_by_cell(terrain, job, |row, col| {
         let by = offset.at(row, col);
         patch.at(row, col) + if by.is_nan() { 0.0 } else { by }
     })
@@ -121,7 +110,7 @@ fn harmonic_offset(terrain: &Heightfield, patch: &Heightfield, job: &Job<'_>) ->
 
 fn average(terrain: &Heightfield, patch: &Heightfield, radius: usize, job: &Job<'_>) -> Result<Heightfield> {
     let (rows, cols) = terrain.grid().size();
-    by_cell(terrain, job, |row, col| {
+    fill_by_cell(terrain, job, |row, col| {
         let (mut sum, mut n) = (f64::from(patch.at(row, col)), 1.0);
         for row in row.saturating_sub(radius)..(row + radius + 1).min(rows) {
             for height in &terrain.row(row)[col.saturating_sub(radius)..(col + radius + 1).min(cols)] {

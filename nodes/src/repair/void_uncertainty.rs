@@ -113,8 +113,7 @@ impl VoidUncertainty {
         let seed = self.chance.key(job);
         let (row, col) = terrain.grid().base(void.first[0], void.first[1]);
         let cell = terrain.grid().cell;
-        let reach = [cell.y, cell.x].map(|side| self.reach / side);
-        let reach = [0, 1].map(|axis| reach[axis].max(2.0 * frame.size[axis] as f64));
+        let reach = frame.reach(self.reach, cell);
         let (turns, raster) = (Turn::all(cell), [size.0, size.1]);
         let (mut squares, mut n) = (vec![0.0; local.len()], 0.0);
         for sample in 0..u64::from(self.samples) {
@@ -123,12 +122,8 @@ impl VoidUncertainty {
                 let number = |k: u64| unit(key(seed, 4 * (TRIALS * sample + trial) + k, row, col));
                 let turn = turns[(number(2) * turns.len() as f64) as usize % turns.len()];
                 let box_size = turn.size(frame.size);
-                // Anywhere within reach, as far as the raster goes.
                 let by = [0, 1].map(|axis| {
-                    let most = raster[axis] as i64 - box_size[axis] as i64 - frame.first[axis];
-                    let (low, high) =
-                        ((-frame.first[axis] as f64).max(-reach[axis]), (most as f64).min(reach[axis]));
-                    (low + (high - low) * number(axis as u64)).round() as i64
+                    frame.offset(axis, box_size[axis], reach[axis], raster[axis], number(axis as u64))
                 });
                 Source::beside(&frame, by, turn, size).filter(|source| source.missing(terrain, &frame) == 0)
             });

@@ -97,6 +97,23 @@ pub fn find(
     Ok(found)
 }
 
+/// Known heights kept, voids filled by row and column.
+///
+/// # Errors
+/// Those of [`Heightfield::build`](orograph_core::Raster::build).
+pub(super) fn fill_by_cell(
+    terrain: &Heightfield,
+    job: &Job<'_>,
+    fill: impl Fn(usize, usize) -> f32 + Sync,
+) -> Result<Heightfield> {
+    Heightfield::build(terrain.grid().clone(), job, |row, out| {
+        for (col, (out, &height)) in out.iter_mut().zip(terrain.row(row)).enumerate() {
+            *out = if height.is_nan() { fill(row, col) } else { height };
+        }
+        Ok(())
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

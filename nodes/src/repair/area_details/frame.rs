@@ -1,5 +1,7 @@
 //! The box in which a void gets its details.
 
+use orograph_core::CellSize;
+
 use crate::{filter::chaikin::whole_len, repair::voids::Void};
 
 /// A box of cells.
@@ -41,6 +43,28 @@ impl Frame {
 
     pub(in crate::repair) fn len(&self) -> usize {
         self.size[0] * self.size[1]
+    }
+
+    /// Metres as cells down and across; at least twice the box.
+    pub(in crate::repair) fn reach(&self, metres: f64, cell: CellSize) -> [f64; 2] {
+        let reach = [cell.y, cell.x].map(|side| metres / side);
+        [0, 1].map(|axis| reach[axis].max(2.0 * self.size[axis] as f64))
+    }
+
+    /// How far a box of `size` cells in a raster of `n` lies off this one along an axis, at a share of the way from as far
+    /// before as it may lie to as far behind: no farther than it reaches, nor than the raster goes.
+    pub(in crate::repair) fn offset(
+        &self,
+        axis: usize,
+        size: usize,
+        reach: f64,
+        n: usize,
+        share: f64,
+    ) -> i64 {
+        let first = self.first[axis];
+        let most = n as i64 - size as i64 - first;
+        let (low, high) = ((-first as f64).max(-reach), (most as f64).min(reach));
+        (low + (high - low) * share).round() as i64
     }
 
     /// Row and column in the raster of a cell of the box.

@@ -112,12 +112,7 @@ impl Node for AreaDetails {
         let AreaDetailsIn { terrain, smooth } = inputs;
         terrain.grid().match_size("terrain", smooth.grid(), "smooth")?;
         let (patch, report) = transplant(terrain, smooth, &self.details, job)?;
-        let terrain = Heightfield::build(terrain.grid().clone(), job, |row, out| {
-            for ((out, &height), &patch) in out.iter_mut().zip(terrain.row(row)).zip(patch.row(row)) {
-                *out = if height.is_nan() { patch } else { height };
-            }
-            Ok(())
-        })?;
+        let terrain = voids::fill_by_cell(terrain, job, |row, col| patch.at(row, col))?;
         Ok(AreaDetailsOut { terrain, patch, report })
     }
 }
@@ -184,9 +179,7 @@ impl Patch {
         patch.source = match details.source {
             From::Neighbours => source::neighbour(terrain, smooth, &frame),
             From::Search => {
-                let cell = terrain.grid().cell;
-                let reach = [cell.y, cell.x].map(|side| details.reach / side);
-                let reach = [0, 1].map(|axis| reach[axis].max(2.0 * frame.size[axis] as f64));
+                let reach = frame.reach(details.reach, terrain.grid().cell);
                 search::search(terrain, &frame, reach, &around, job)?
             }
         };

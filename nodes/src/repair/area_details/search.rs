@@ -12,8 +12,8 @@ use super::{
     texture::Texture,
 };
 
-/// Boxes to each side of the lattice, and samples of rim and ground that are compared.
-const SIDE: i64 = 4;
+/// Steps along each side of the lattice, and samples of rim and ground that are compared.
+const STEPS: u32 = 8;
 const SAMPLES: usize = 96;
 
 /// Boxes with more voids than this share are no sources while better ones are to be had.
@@ -39,10 +39,14 @@ pub(super) fn search(
     let mut least_void: Option<(usize, Source)> = None;
     for turn in Turn::all(terrain.grid().cell) {
         let size = turn.size(frame.size);
-        for down in lattice(frame.first[0], size[0], reach[0], terrain.rows()) {
+        let raster = [terrain.rows(), terrain.cols()];
+        let offset = |axis: usize, k: u32| {
+            frame.offset(axis, size[axis], reach[axis], raster[axis], f64::from(k) / f64::from(STEPS))
+        };
+        for down in 0..=STEPS {
             job.check()?;
-            for across in lattice(frame.first[1], size[1], reach[1], terrain.cols()) {
-                let by = [down, across];
+            for across in 0..=STEPS {
+                let by = [offset(0, down), offset(1, across)];
                 if by.iter().zip(frame.size).all(|(by, size)| by.unsigned_abs() < size as u64) {
                     // The void itself, in part.
                     continue;
@@ -64,13 +68,6 @@ pub(super) fn search(
         }
     }
     Ok(best.map(|(_, source)| source).or(least_void.map(|(_, source)| source)))
-}
-
-/// Evenly spread offsets of boxes of `size` cells, as far as they reach and the raster has room.
-fn lattice(first: i64, size: usize, reach: f64, n: usize) -> impl Iterator<Item = i64> {
-    let most = n as i64 - size as i64 - first;
-    let (low, high) = ((-first as f64).max(-reach), (most as f64).min(reach));
-    (0..=2 * SIDE).map(move |k| (low + (high - low) * k as f64 / (2 * SIDE) as f64).round() as i64)
 }
 
 /// At most so many of the cells, evenly spread.

@@ -5,10 +5,11 @@
 
 use orograph_core::prelude::*;
 
-use super::{frame::Frame, texture::laplacian};
+use super::frame::Frame;
 use crate::{
     filter::chaikin::Surface,
     repair::voids::{Void, around},
+    surface::laplacian,
 };
 
 /// Distance from the rim, in cells, from which on the patch counts as its middle.

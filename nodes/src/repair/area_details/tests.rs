@@ -47,7 +47,7 @@ fn known_cells_stay_and_voids_are_as_rough_as_the_ground_around() {
             for row in 52..69 {
                 for col in 48..73 {
                     if is_void(row, col) == inside {
-                        let value = texture::laplacian(terrain, [row, col], 1).unwrap();
+                        let value = crate::surface::laplacian(terrain, [row, col], 1).unwrap();
                         (sum, n) = (sum + value * value, n + 1.0);
                     }
                 }

@@ -2,7 +2,10 @@
 
 use orograph_core::prelude::*;
 
-use crate::repair::voids::{Void, around};
+use crate::{
+    repair::voids::{Void, around},
+    surface::laplacian,
+};
 
 /// Mean squares over sampled ground. NaN where nothing is known.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -79,21 +82,6 @@ impl Texture {
             + ratio(self.steep, other.steep)
             + ratio(self.rough * other.coarse, other.rough * self.coarse)
     }
-}
-
-/// Laplacian in 1/m between cells so far apart; `None` where one of them is not known.
-pub(super) fn laplacian(terrain: &Heightfield, [row, col]: [usize; 2], apart: usize) -> Option<f64> {
-    let (rows, cols) = terrain.grid().size();
-    if row < apart || col < apart || row + apart >= rows || col + apart >= cols {
-        return None;
-    }
-    let height = |row: usize, col: usize| f64::from(terrain.at(row, col));
-    let CellSize { x, y } = terrain.grid().cell;
-    let twice = 2.0 * height(row, col);
-    let across = (height(row, col - apart) - twice + height(row, col + apart)) / (x * x);
-    let down = (height(row - apart, col) - twice + height(row + apart, col)) / (y * y);
-    let value = (across + down) / (apart * apart) as f64;
-    value.is_finite().then_some(value)
 }
 
 fn slope_square(terrain: &Heightfield, [row, col]: [usize; 2], cell: CellSize) -> Option<f64> {

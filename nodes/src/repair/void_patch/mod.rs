@@ -179,6 +179,9 @@ impl VoidPatch {
     }
 
     fn leave_large(&self, terrain: &Heightfield, filled: &mut Heightfield, job: &Job<'_>) -> Result<()> {
+        if terrain.void_count() <= self.largest as usize {
+            return Ok(());
+        }
         let voids = voids::find(terrain.grid().size(), 0, |i| terrain.cells()[i].is_nan(), job)?;
         let large: Vec<_> = voids.iter().filter(|void| void.cells.len() > self.largest as usize).collect();
         if !large.is_empty() {

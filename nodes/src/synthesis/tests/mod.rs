@@ -61,17 +61,22 @@ fn sketch() -> Features {
     lines(&grid, &[[20.0, 30.0], [120.0, 110.0]], &[[0, 1]])
 }
 
-#[test]
-fn the_drawn_ridge_stands_where_it_was_drawn() {
-    let ((exemplar, features), sketch) = (ridge(), sketch());
-    let inputs = SynthesiseIn {
-        sketches: vec![&sketch],
-        exemplars: vec![&exemplar],
-        features: vec![&features],
+/// One sketch and one exemplar.
+fn plain<'a>(sketch: &'a Features, exemplar: &'a Heightfield, features: &'a Features) -> SynthesiseIn<'a> {
+    SynthesiseIn {
+        sketches: vec![sketch],
+        exemplars: vec![exemplar],
+        features: vec![features],
         styles: None,
         given: None,
         constraints: None,
-    };
+    }
+}
+
+#[test]
+fn the_drawn_ridge_stands_where_it_was_drawn() {
+    let ((exemplar, features), sketch) = (ridge(), sketch());
+    let inputs = plain(&sketch, &exemplar, &features);
     for preset in [Preset::Default, Preset::PaperStrict] {
         let rules = Rules::of(preset, 32);
         let (terrain, placement, report) =
@@ -193,14 +198,7 @@ fn a_branch_is_made_of_paths_where_the_exemplar_has_none() {
     let center = [90.0, 90.0];
     let tips = [[90.0, 165.0], [155.0, 52.5], [25.0, 52.5]];
     let sketch = lines(&grid, &[center, tips[0], tips[1], tips[2]], &[[0, 1], [0, 2], [0, 3]]);
-    let inputs = SynthesiseIn {
-        sketches: vec![&sketch],
-        exemplars: vec![&exemplar],
-        features: vec![&features],
-        styles: None,
-        given: None,
-        constraints: None,
-    };
+    let inputs = plain(&sketch, &exemplar, &features);
     // Nothing is helped to stand out.
     let rules = Rules { crest: 0.0, ..Rules::of(Preset::Default, 32) };
     let (terrain, _, report) = synthesise(&inputs, &rules, Order::Tree, &Job::detached()).unwrap();
@@ -217,14 +215,7 @@ fn a_branch_is_made_of_paths_where_the_exemplar_has_none() {
 #[test]
 fn seeds_make_variants_and_threads_do_not() {
     let ((exemplar, features), sketch) = (ridge(), sketch());
-    let inputs = SynthesiseIn {
-        sketches: vec![&sketch],
-        exemplars: vec![&exemplar],
-        features: vec![&features],
-        styles: None,
-        given: None,
-        constraints: None,
-    };
+    let inputs = plain(&sketch, &exemplar, &features);
     let run = |seed: u64, variety: usize, threads: usize| {
         let rules = Rules { seed, variety, ..Rules::of(Preset::Default, 32) };
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
