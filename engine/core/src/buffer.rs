@@ -11,10 +11,12 @@ use std::{
 use bytemuck::{Pod, allocation::try_zeroed_vec};
 
 /// A fixed number of cells.
-pub(crate) struct Buffer<T>(Store<T>);
+pub(crate) struct Buffer<T: 'static>(Store<T>);
 
-enum Store<T> {
+enum Store<T: 'static> {
     Heap(Vec<T>),
+    /// Memory of someone else that stays. A copy of it is memory of our own.
+    Lent(&'static [T]),
     #[cfg(target_os = "linux")]
     Pages {
         pages: memmap2::MmapMut,
@@ -47,10 +49,16 @@ impl<T: Pod> Buffer<T> {
         Some(cells)
     }
 
+    /// Cells that someone else keeps.
+    pub(crate) const fn lent(cells: &'static [T]) -> Self {
+        Self(Store::Lent(cells))
+    }
+
     /// The cells as a vector.
     pub(crate) fn into_vec(self) -> Vec<T> {
         match self.0 {
             Store::Heap(cells) => cells,
+            Store::Lent(cells) => cells.to_vec(),
             #[cfg(target_os = "linux")]
             Store::Pages { pages, .. } => bytemuck::cast_slice(&pages).to_vec(),
         }
@@ -69,6 +77,7 @@ impl<T: Pod> Deref for Buffer<T> {
     fn deref(&self) -> &[T] {
         match &self.0 {
             Store::Heap(cells) => cells,
+            Store::Lent(cells) => cells,
             #[cfg(target_os = "linux")]
             Store::Pages { pages, .. } => bytemuck::cast_slice(pages),
         }
@@ -77,8 +86,13 @@ impl<T: Pod> Deref for Buffer<T> {
 
 impl<T: Pod> DerefMut for Buffer<T> {
     fn deref_mut(&mut self) -> &mut [T] {
+        if let Store::Lent(cells) = self.0 {
+            self.0 = Store::Heap(cells.to_vec());
+        }
         match &mut self.0 {
             Store::Heap(cells) => cells,
+            // Made our own above.
+            Store::Lent(_) => &mut [],
             #[cfg(target_os = "linux")]
             Store::Pages { pages, .. } => bytemuck::cast_slice_mut(pages),
         }
@@ -121,6 +135,16 @@ mod tests {
             assert_eq!(again[..], cells[..]);
             assert_eq!(cells.clone().into_vec(), again.into_vec());
         }
+    }
+
+    #[test]
+    fn lent_cells_are_read_in_place_and_written_elsewhere() {
+        static CELLS: [f32; 3] = [1.0, 2.0, 3.0];
+        let mut lent = Buffer::lent(&CELLS);
+        assert!(std::ptr::eq(&*lent, &CELLS[..]));
+        assert!(!std::ptr::eq(&*lent.clone(), &CELLS[..]));
+        lent[1] = 7.0;
+        assert_eq!((lent.into_vec(), CELLS), (vec![1.0, 7.0, 3.0], [1.0, 2.0, 3.0]));
     }
 
     #[test]

@@ -39,6 +39,12 @@ impl Points {
         self.x.is_empty()
     }
 
+    /// The columns x, y and height.
+    #[must_use]
+    pub fn columns(&self) -> (&[f64], &[f64], &[f64]) {
+        (&self.x, &self.y, &self.heights)
+    }
+
     /// Each point as (x, y, height).
     pub fn iter(&self) -> impl ExactSizeIterator<Item = (f64, f64, f64)> + '_ {
         (0..self.x.len()).map(|i| (self.x[i], self.y[i], self.heights[i]))

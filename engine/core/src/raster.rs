@@ -62,13 +62,28 @@ impl<K: Kind> Raster<K> {
     /// # Errors
     /// [`Error::Invalid`] unless there is one value for each cell of the grid.
     pub fn new(grid: Grid, cells: Vec<K::Cell>) -> Result<Self> {
-        if cells.len() != grid.len() {
-            return Err(Error::invalid(
-                format!("{} values for a grid of {} × {} cells", cells.len(), grid.rows, grid.cols),
-                "give one value for each cell, row by row",
-            ));
-        }
+        Self::match_cells(&grid, cells.len())?;
         Ok(Self { grid, cells: cells.into() })
+    }
+
+    /// A raster over cells that someone else keeps, row-major. It is read in place; a clone, and the first change,
+    /// make a copy.
+    ///
+    /// # Errors
+    /// As [`new`](Self::new).
+    pub fn lent(grid: Grid, cells: &'static [K::Cell]) -> Result<Self> {
+        Self::match_cells(&grid, cells.len())?;
+        Ok(Self { grid, cells: Buffer::lent(cells) })
+    }
+
+    fn match_cells(grid: &Grid, cells: usize) -> Result<()> {
+        if cells == grid.len() {
+            return Ok(());
+        }
+        Err(Error::invalid(
+            format!("{cells} values for a grid of {} × {} cells", grid.rows, grid.cols),
+            "give one value for each cell, row by row",
+        ))
     }
 
     /// A raster with the same value everywhere.
@@ -138,8 +153,10 @@ impl<K: Kind> Raster<K> {
         Ok(Self { grid, cells })
     }
 
-    /// A raster of the cells that `bytes` hold; `None` where they are not as many, or the memory is lacking.
-    pub(crate) fn of_bytes(grid: Grid, bytes: &[u8]) -> Option<Self> {
+    /// A raster of a copy of the cells that `bytes` hold, which need not be aligned; `None` where they are not as
+    /// many, or the memory is lacking.
+    #[must_use]
+    pub fn of_bytes(grid: Grid, bytes: &[u8]) -> Option<Self> {
         // The grid may come from anywhere: its size may not even be a number.
         let wanted = grid.rows.checked_mul(grid.cols)?.checked_mul(size_of::<K::Cell>())?;
         (wanted == bytes.len()).then_some(())?;

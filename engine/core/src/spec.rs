@@ -19,18 +19,24 @@ pub struct NodeSpec {
     /// What it does; the first sentence stands alone as a tooltip.
     pub doc: Text,
     /// Input ports.
+    #[serde(default)]
     pub inputs: Vec<PortSpec>,
     /// Output ports; none for a node that writes a file.
+    #[serde(default)]
     pub outputs: Vec<PortSpec>,
     /// Parameters.
+    #[serde(default)]
     pub params: Vec<ParamSpec>,
     /// How far its outputs look.
     pub extent: Extent,
     /// What it reads of the run's context.
+    #[serde(default)]
     pub reads: Vec<ContextItem>,
     /// Writes files: it runs for its effect and is never cached.
+    #[serde(default)]
     pub writes: bool,
     /// The writer chosen when a bare output of its first input's type is asked for.
+    #[serde(default)]
     pub default_writer: bool,
 }
 
@@ -67,13 +73,15 @@ pub struct PortSpec {
     /// The type of its wires.
     pub value_type: ValueType,
     /// How many wires it takes.
+    #[serde(default)]
     pub arity: Arity,
 }
 
 /// How many wires an input takes.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Arity {
     /// Exactly one.
+    #[default]
     One,
     /// One or none.
     Optional,
@@ -89,6 +97,7 @@ pub struct ParamSpec {
     /// What it does; the first sentence is its tooltip.
     pub doc: Text,
     /// Unit of its numbers.
+    #[serde(default)]
     pub unit: Unit,
     /// Its type and limits.
     pub kind: ParamKind,

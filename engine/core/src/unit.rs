@@ -3,10 +3,11 @@
 use serde::{Deserialize, Serialize};
 
 /// A unit of measure.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[non_exhaustive]
 pub enum Unit {
     /// A pure number: a ratio, an exponent, a count.
+    #[default]
     One,
     /// Metres.
     Metre,
@@ -54,14 +55,23 @@ impl Unit {
     /// On a symbol outside the list; derives call this at compile time, where that is a compile error.
     #[must_use]
     pub const fn parse(symbol: &str) -> Self {
+        match Self::of_symbol(symbol) {
+            Some(unit) => unit,
+            None => panic!("unknown unit: use one of 1, m, deg, cells, px, %, seed, m/m, 1/m, m2, B, s"),
+        }
+    }
+
+    /// The unit written as `symbol`; `None` outside the list.
+    #[must_use]
+    pub const fn of_symbol(symbol: &str) -> Option<Self> {
         let mut i = 0;
         while i < Self::ALL.len() {
             if same(Self::ALL[i].1.as_bytes(), symbol.as_bytes()) {
-                return Self::ALL[i].0;
+                return Some(Self::ALL[i].0);
             }
             i += 1;
         }
-        panic!("unknown unit: use one of 1, m, deg, cells, px, %, seed, m/m, 1/m, m2, B, s")
+        None
     }
 
     /// How the unit is written.
