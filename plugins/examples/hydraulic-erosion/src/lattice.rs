@@ -1,7 +1,6 @@
 //! The cells that carry heights, their neighbours, and what lies beyond the edge of the known terrain.
 
-use orograph_core::prelude::*;
-use rayon::prelude::*;
+use orograph_plugin::{prelude::*, rayon::prelude::*};
 
 /// In place of a cell: out of the known terrain.
 pub(crate) const OUT: u32 = u32::MAX;

@@ -18,10 +18,11 @@ mod lattice;
 mod routing;
 mod sweeps;
 
-use orograph_core::prelude::*;
-use rayon::prelude::*;
+use orograph_plugin::{libm, prelude::*, rayon::prelude::*};
 
 use crate::{lattice::Lattice, routing::Routes, sweeps::Erosion};
+
+orograph_plugin::export!("Hydraulic erosion", [Hydraulic]);
 
 /// Rain gathers in streams that carve valleys, and what they carry settles in fans, valley floors and lakes. Streams
 /// leave at the borders at the height that the ground beyond is likely to have. Voids stay voids, and water that
@@ -142,7 +143,8 @@ fn flow_of(routes: &Routes, grid: &Grid, job: &Job) -> Result<Mask> {
     Mask::build(grid.clone(), job, |row, flow| {
         for (col, flow) in flow.iter_mut().enumerate() {
             let discharge = routes.discharge[row * grid.cols + col];
-            *flow = if discharge > least { (libm::log(discharge / least) / span).min(1.0) as f32 } else { 0.0 };
+            *flow =
+                if discharge > least { (libm::log(discharge / least) / span).min(1.0) as f32 } else { 0.0 };
         }
         Ok(())
     })

@@ -10,8 +10,7 @@
 
 use std::collections::VecDeque;
 
-use orograph_core::prelude::*;
-use rayon::prelude::*;
+use orograph_plugin::{prelude::*, rayon::prelude::*};
 
 use crate::lattice::{FORWARD, Lattice, OUT};
 

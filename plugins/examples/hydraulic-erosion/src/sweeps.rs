@@ -1,7 +1,6 @@
 //! One step of erosion: up from the outlets to cut, down from the divides to carry and lay down.
 
-use orograph_core::prelude::*;
-use rayon::prelude::*;
+use orograph_plugin::{libm, prelude::*, rayon::prelude::*};
 
 use crate::{
     lattice::{Lattice, OUT},

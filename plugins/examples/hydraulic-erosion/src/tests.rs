@@ -1,6 +1,6 @@
 use std::sync::atomic::{AtomicU32, Ordering};
 
-use orograph_core::{Context, Host, OutputStream};
+use orograph_plugin::{Context, Host, OutputStream, rayon};
 
 use super::*;
 
@@ -13,7 +13,8 @@ fn field(rows: usize, cols: usize, cell: CellSize, height: impl Fn(usize, usize)
 fn hills(rows: usize, cols: usize, cell: CellSize) -> Heightfield {
     field(rows, cols, cell, |row, col| {
         let (x, y) = (col as f64, row as f64);
-        let wave = |fx: f64, fy: f64, high: f64| high * libm::sin(fx * x + fy * y) * libm::cos(fy * x - fx * y);
+        let wave =
+            |fx: f64, fy: f64, high: f64| high * libm::sin(fx * x + fy * y) * libm::cos(fy * x - fx * y);
         500.0 + wave(0.05, 0.02, 300.0) + wave(0.17, 0.23, 60.0) + wave(0.71, 0.43, 15.0)
     })
 }
@@ -83,7 +84,10 @@ fn lakes_stand_at_their_lowest_spill() {
             }
         }
     }
-    assert!(water.iter().zip(ground).filter(|(water, ground)| water > ground).count() > 20, "no lakes to test");
+    assert!(
+        water.iter().zip(ground).filter(|(water, ground)| water > ground).count() > 20,
+        "no lakes to test"
+    );
     assert_eq!(routes.water, water);
 }
 
@@ -102,7 +106,11 @@ fn a_plane_under_even_rain_is_cut_as_the_law_says() {
         let rate = 0.001 / 0.1 * (discharge / 1e6).sqrt() * mean;
         let cell = 60 * cols + col;
         let cut = f64::from(terrain.cells()[cell] - erosion.heights[cell]);
-        assert!((cut - rate * years).abs() < 0.02 * rate * years + 1e-4, "{cut} at {col}, not {}", rate * years);
+        assert!(
+            (cut - rate * years).abs() < 0.02 * rate * years + 1e-4,
+            "{cut} at {col}, not {}",
+            rate * years
+        );
     }
 }
 
@@ -141,7 +149,8 @@ fn hard_rock_and_dry_ground_stay_as_they_are() {
     for (rain, hardness) in [(None, Some(&all)), (Some(&none), None)] {
         let inputs = HydraulicIn { terrain: &terrain, rain, hardness };
         let out = Hydraulic::default().run(inputs, &Job::detached()).unwrap();
-        let highest = out.terrain.cells().iter().zip(terrain.cells()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        let highest =
+            out.terrain.cells().iter().zip(terrain.cells()).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
         assert!(highest <= 1e-4, "{highest}");
     }
 }
