@@ -34,6 +34,8 @@ pub trait Host: Sync {
     fn progress(&self, done: f64);
     /// Hears a remark for the user that is no failure.
     fn warn(&self, message: &str);
+    /// Hears something for who watches the run; it is not kept.
+    fn note(&self, _message: &str) {}
     /// Most bytes that one value may take.
     fn memory_limit(&self) -> u64;
     /// Where the file to read lies.
@@ -89,6 +91,17 @@ impl<'a> Job<'a> {
     /// Tells the user something that is no failure. It is kept with the outputs and told again on a hit.
     pub fn warn(&self, message: impl AsRef<str>) {
         self.host.warn(message.as_ref());
+    }
+
+    /// Tells something to who watches the run. It is not kept with the outputs.
+    pub fn note(&self, message: impl AsRef<str>) {
+        self.host.note(message.as_ref());
+    }
+
+    /// Most bytes that one value may take.
+    #[must_use]
+    pub fn memory_limit(&self) -> u64 {
+        self.host.memory_limit()
     }
 
     /// The run's seed; 0 unless the node declares that it reads it.

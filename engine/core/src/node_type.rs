@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::{CellSize, Inputs, Job, Node, NodeSpec, Outputs, ParamValue, RawParams, Result, Slot, Value};
+use crate::{
+    CellSize, Digest, Inputs, Job, Node, NodeSpec, Outputs, ParamValue, RawParams, Result, Slot, Value,
+};
 
 type Make = Box<dyn Fn(&[ParamValue]) -> Result<Arc<dyn Instance>> + Send + Sync>;
 type Upgrade = Box<dyn Fn(&mut RawParams, u32) -> Result<()> + Send + Sync>;
@@ -12,6 +14,7 @@ pub struct NodeType {
     spec: NodeSpec,
     make: Make,
     upgrade: Upgrade,
+    code: Option<Digest>,
 }
 
 /// A node with its settings, ready to run any number of times.
@@ -49,7 +52,19 @@ impl NodeType {
         make: impl Fn(&[ParamValue]) -> Result<Arc<dyn Instance>> + Send + Sync + 'static,
         upgrade: impl Fn(&mut RawParams, u32) -> Result<()> + Send + Sync + 'static,
     ) -> Self {
-        Self { spec, make: Box::new(make), upgrade: Box::new(upgrade) }
+        Self { spec, make: Box::new(make), upgrade: Box::new(upgrade), code: None }
+    }
+
+    /// The same type, its code being of this content: other code then has other keys, whatever its version says.
+    #[must_use]
+    pub fn with_code(self, code: Digest) -> Self {
+        Self { code: Some(code), ..self }
+    }
+
+    /// The content of the code that supplies it; none for what the version alone tells.
+    #[must_use]
+    pub fn code(&self) -> Option<&Digest> {
+        self.code.as_ref()
     }
 
     /// What the node is.

@@ -52,6 +52,9 @@ impl Host for TaskHost<'_> {
     fn warn(&self, message: &str) {
         self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
     }
+    fn note(&self, message: &str) {
+        self.run.note(self.node, message);
+    }
     fn memory_limit(&self) -> u64 {
         self.run.shared.cache.memory_budget()
     }
