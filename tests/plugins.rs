@@ -107,7 +107,7 @@ fn a_process_of_its_own_takes_the_worst() {
         ("segfault", "", "SIGSEGV"),
         ("exit", "", "exit code 0"),
         ("hog", "--isolate-memory 256MiB", "the plugin's process ended"),
-        ("loop", "--isolate-silence 1", "not been heard of for 1 s"),
+        ("loop", "--isolate-silence 1", "it was not heard of for 1 s"),
     ] {
         let ended = behave(&place, how, &format!("--isolate {more}")).code(1);
         ended.tells(&["node `bad` (hostile.node)", said]).gives(&["good.metrics:"]);

@@ -260,13 +260,11 @@ impl Worker {
             }
             if heard.elapsed() > limits.silence {
                 self.lost = true;
-                return Err(Error::invalid(
-                    format!(
-                        "the plugin has not been heard of for {} s and was stopped",
-                        limits.silence.as_secs()
-                    ),
-                    "it hangs, or never asks whether to stop: report it to its author, or raise `--isolate-silence`",
-                ));
+                return Err(Error::Crashed {
+                    how: format!("it was not heard of for {} s and was stopped", limits.silence.as_secs()),
+                    hint: "it hangs, or never asks whether to stop: report it to its author, or raise `--isolate-silence`"
+                        .into(),
+                });
             }
         }
     }
@@ -278,12 +276,12 @@ impl Worker {
             Err(error) => error.to_string(),
         };
         let limit = limits.memory;
-        Error::invalid(
-            format!("the plugin's process ended: {how}"),
-            format!(
+        Error::Crashed {
+            how,
+            hint: format!(
                 "report it to the plugin's author; it may take {limit} bytes beyond its inputs, which `--isolate-memory` raises"
             ),
-        )
+        }
     }
 
     fn confused(&mut self) -> Error {
