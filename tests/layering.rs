@@ -81,7 +81,8 @@ fn dependencies_run_one_way() {
         ("engine/derive", &["orograph-core", "orograph-engine", "orograph-nodes", "orograph"] as &[_]),
         ("engine/core", &["orograph-abi", "orograph-engine", "orograph-nodes", "orograph"]),
         ("plugins/abi", &["orograph-engine", "orograph-nodes", "orograph"]),
-        ("engine", &["orograph-nodes", "orograph"]),
+        ("plugins/sdk", &["orograph-engine", "orograph-nodes", "orograph"]),
+        ("engine", &["orograph-nodes", "orograph-plugin", "orograph"]),
         ("nodes", &["orograph-abi", "orograph-engine", "orograph"]),
     ] {
         let found = dependencies(folder, true);

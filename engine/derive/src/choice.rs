@@ -4,9 +4,9 @@ use proc_macro2::TokenStream;
 use quote::quote;
 use syn::{Data, DeriveInput, Fields};
 
-use crate::doc_of;
+use crate::{Core, doc_of};
 
-pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
+pub(crate) fn expand(input: &DeriveInput, core: Core) -> syn::Result<TokenStream> {
     let name = &input.ident;
     let Data::Enum(data) = &input.data else {
         return Err(syn::Error::new_spanned(name, "only an enum can be a choice"));
@@ -20,13 +20,13 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
         }
         let doc = doc_of(&variant.attrs, variant)?;
         let option = snake_case(&variant.ident.to_string());
-        options.push(quote!(::orograph_core::ChoiceOption { name: #option.into(), doc: #doc.into() }));
+        options.push(quote!(#core::ChoiceOption { name: #option.into(), doc: #doc.into() }));
         variants.push(&variant.ident);
         names.push(option);
     }
     Ok(quote! {
-        impl ::orograph_core::Choice for #name {
-            fn options() -> ::std::vec::Vec<::orograph_core::ChoiceOption> {
+        impl #core::Choice for #name {
+            fn options() -> ::std::vec::Vec<#core::ChoiceOption> {
                 vec![#(#options),*]
             }
             fn name(&self) -> &'static str {
@@ -36,16 +36,16 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
                 match name { #(#names => Some(Self::#variants),)* _ => None }
             }
         }
-        impl ::orograph_core::ParamField for #name {
-            fn kind(_: Option<(f64, f64)>, _: Option<(f64, f64)>) -> ::orograph_core::ParamKind {
-                ::orograph_core::ParamKind::Choice { options: <Self as ::orograph_core::Choice>::options() }
+        impl #core::ParamField for #name {
+            fn kind(_: Option<(f64, f64)>, _: Option<(f64, f64)>) -> #core::ParamKind {
+                #core::ParamKind::Choice { options: <Self as #core::Choice>::options() }
             }
-            fn to_value(&self) -> ::orograph_core::ParamValue {
-                ::orograph_core::ParamValue::Text(::orograph_core::Choice::name(self).into())
+            fn to_value(&self) -> #core::ParamValue {
+                #core::ParamValue::Text(#core::Choice::name(self).into())
             }
-            fn from_value(value: &::orograph_core::ParamValue) -> Option<Self> {
+            fn from_value(value: &#core::ParamValue) -> Option<Self> {
                 match value {
-                    ::orograph_core::ParamValue::Text(name) => <Self as ::orograph_core::Choice>::parse(name),
+                    #core::ParamValue::Text(name) => <Self as #core::Choice>::parse(name),
                     _ => None,
                 }
             }

@@ -4,7 +4,7 @@ use proc_macro2::TokenStream;
 use quote::{ToTokens, quote};
 use syn::{DeriveInput, Expr, Field, LitStr, RangeLimits};
 
-use crate::{doc_of, named_fields};
+use crate::{Core, doc_of, named_fields};
 
 /// What `#[param(…)]` says of one field.
 #[derive(Default)]
@@ -31,7 +31,7 @@ struct Member {
     count: TokenStream,
 }
 
-pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
+pub(crate) fn expand(input: &DeriveInput, core: Core) -> syn::Result<TokenStream> {
     let name = &input.ident;
     let doc = doc_of(&input.attrs, name)?;
     let mut specs = Vec::new();
@@ -42,7 +42,7 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
     for field in named_fields(input)? {
         let ident = &field.ident;
         let attr = parse(field)?;
-        let member = if attr.flatten { flattened(field, attr)? } else { single(field, attr)? };
+        let member = if attr.flatten { flattened(field, attr, core)? } else { single(field, attr, core)? };
         let (default, read, width) = (member.default, member.read, member.count);
         specs.push(member.spec);
         writes.push(member.write);
@@ -56,10 +56,10 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
                 Self { #(#defaults),* }
             }
         }
-        impl ::orograph_core::Params for #name {
+        impl #core::Params for #name {
             const DOC: &'static str = #doc;
             const COUNT: usize = #count;
-            fn specs() -> ::std::vec::Vec<::orograph_core::ParamSpec> {
+            fn specs() -> ::std::vec::Vec<#core::ParamSpec> {
                 #[allow(unused_variables)]
                 let defaults = Self::default();
                 #[allow(unused_mut)]
@@ -67,14 +67,14 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
                 #(#specs)*
                 specs
             }
-            fn from_values(values: &[::orograph_core::ParamValue]) -> ::orograph_core::Result<Self> {
+            fn from_values(values: &[#core::ParamValue]) -> #core::Result<Self> {
                 let expected = Self::COUNT;
                 if values.len() != expected {
-                    return Err(::orograph_core::Error::ParamCount { expected, found: values.len() });
+                    return Err(#core::Error::ParamCount { expected, found: values.len() });
                 }
                 Ok(Self { #(#reads),* })
             }
-            fn to_values(&self) -> ::std::vec::Vec<::orograph_core::ParamValue> {
+            fn to_values(&self) -> ::std::vec::Vec<#core::ParamValue> {
                 #[allow(unused_mut)]
                 let mut values = ::std::vec::Vec::with_capacity(Self::COUNT);
                 #(#writes)*
@@ -84,7 +84,7 @@ pub(crate) fn expand(input: &DeriveInput) -> syn::Result<TokenStream> {
     })
 }
 
-fn single(field: &Field, attr: ParamAttr) -> syn::Result<Member> {
+fn single(field: &Field, attr: ParamAttr, core: Core) -> syn::Result<Member> {
     let (ident, ty) = (&field.ident, &field.ty);
     let label = ident.to_token_stream().to_string();
     let doc = doc_of(&field.attrs, ident)?;
@@ -103,32 +103,32 @@ fn single(field: &Field, attr: ParamAttr) -> syn::Result<Member> {
     let slider = limits(&attr.slider);
     let unit = match &attr.unit {
         Some(unit) => {
-            quote!(const { ::orograph_core::Unit::parse(#unit) })
+            quote!(const { #core::Unit::parse(#unit) })
         }
-        None => quote!(::orograph_core::Unit::One),
+        None => quote!(#core::Unit::One),
     };
     Ok(Member {
         spec: quote! {
-            specs.push(::orograph_core::ParamSpec {
+            specs.push(#core::ParamSpec {
                 name: #label.into(),
                 doc: #doc.into(),
                 unit: #unit,
-                kind: <#ty as ::orograph_core::ParamField>::kind(#range, #slider),
-                default: ::orograph_core::ParamField::to_value(&defaults.#ident),
+                kind: <#ty as #core::ParamField>::kind(#range, #slider),
+                default: #core::ParamField::to_value(&defaults.#ident),
             });
         },
         // A bare literal takes the field's type, so that `default = 10` serves every number.
         default: if numeric { quote!((#default) as #ty) } else { quote!((#default).into()) },
         read: quote! {
-            ::orograph_core::ParamField::from_value(&values[AT])
-                .ok_or(::orograph_core::Error::ParamType { name: #label.into() })?
+            #core::ParamField::from_value(&values[AT])
+                .ok_or(#core::Error::ParamType { name: #label.into() })?
         },
-        write: quote!(values.push(::orograph_core::ParamField::to_value(&self.#ident));),
+        write: quote!(values.push(#core::ParamField::to_value(&self.#ident));),
         count: quote!(1),
     })
 }
 
-fn flattened(field: &Field, attr: ParamAttr) -> syn::Result<Member> {
+fn flattened(field: &Field, attr: ParamAttr, core: Core) -> syn::Result<Member> {
     let (ident, ty) = (&field.ident, &field.ty);
     if attr.range.is_some() || attr.slider.is_some() || attr.unit.is_some() {
         return Err(syn::Error::new_spanned(
@@ -136,23 +136,23 @@ fn flattened(field: &Field, attr: ParamAttr) -> syn::Result<Member> {
             "ranges and units belong to the flattened struct's fields",
         ));
     }
-    let count = quote!(<#ty as ::orograph_core::Params>::COUNT);
+    let count = quote!(<#ty as #core::Params>::COUNT);
     Ok(Member {
         // The defaults are those of this field, which may differ from those of its type.
         spec: quote! {
-            for (spec, default) in <#ty as ::orograph_core::Params>::specs()
+            for (spec, default) in <#ty as #core::Params>::specs()
                 .into_iter()
-                .zip(::orograph_core::Params::to_values(&defaults.#ident))
+                .zip(#core::Params::to_values(&defaults.#ident))
             {
-                specs.push(::orograph_core::ParamSpec { default, ..spec });
+                specs.push(#core::ParamSpec { default, ..spec });
             }
         },
         default: match attr.default {
             Some(default) => quote!(#default),
             None => quote!(<#ty as ::core::default::Default>::default()),
         },
-        read: quote!(::orograph_core::Params::from_values(&values[AT..AT + #count])?),
-        write: quote!(values.extend(::orograph_core::Params::to_values(&self.#ident));),
+        read: quote!(#core::Params::from_values(&values[AT..AT + #count])?),
+        write: quote!(values.extend(#core::Params::to_values(&self.#ident));),
         count,
     })
 }

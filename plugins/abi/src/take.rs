@@ -28,6 +28,7 @@ pub enum Cells {
     /// They are copied.
     Copied,
     /// They are read where they are: they must stay there for as long as the value and every clone of it lives.
+    /// They are not looked through for contents that no value has: that would cost more than the call.
     Lent,
 }
 
@@ -127,7 +128,8 @@ pub unsafe fn read_param(param: &OrographParam) -> Result<ParamValue> {
 /// The value of a view; everything but a raster's cells is copied.
 ///
 /// # Errors
-/// [`Malformed`] for null pointers, impossible lengths and sizes, and contents that no value of its type has.
+/// [`Malformed`] for null pointers, impossible lengths and sizes, and, in what is copied, contents that no value of
+/// its type has.
 ///
 /// # Safety
 /// The view's pointers, where they are not null, must lead to as many items as it says; with [`Cells::Lent`] the
@@ -137,8 +139,10 @@ pub unsafe fn read_value(value: *const OrographValue, cells: Cells) -> Result<Va
     unsafe {
         let OrographValue { kind, data, .. } = item(value, "a value")?;
         Ok(match *kind {
-            OROGRAPH_HEIGHTFIELD => Value::Heightfield(Arc::new(heights(raster(data.raster, cells)?)?)),
-            OROGRAPH_MASK => Value::Mask(Arc::new(shares(raster(data.raster, cells)?)?)),
+            OROGRAPH_HEIGHTFIELD => {
+                Value::Heightfield(Arc::new(heights(raster(data.raster, cells)?, cells)?))
+            }
+            OROGRAPH_MASK => Value::Mask(Arc::new(shares(raster(data.raster, cells)?, cells)?)),
             OROGRAPH_TEXTURE => Value::Texture(Arc::new(raster::<Rgba>(data.raster, cells)?)),
             OROGRAPH_FEATURES => Value::Features(Arc::new(features(data.features)?)),
             OROGRAPH_POINTS => Value::Points(Arc::new(points(data.points)?)),
@@ -200,7 +204,10 @@ unsafe fn raster<K: Kind>(view: *const OrographRaster, keep: Cells) -> Result<Ra
     }
 }
 
-fn heights(raster: Raster<Metres>) -> Result<Raster<Metres>> {
+fn heights(raster: Raster<Metres>, cells: Cells) -> Result<Raster<Metres>> {
+    if cells == Cells::Lent {
+        return Ok(raster);
+    }
     match raster.cells().iter().position(|height| height.is_infinite()) {
         Some(at) => {
             let (row, col) = (at / raster.cols(), at % raster.cols());
@@ -210,7 +217,10 @@ fn heights(raster: Raster<Metres>) -> Result<Raster<Metres>> {
     }
 }
 
-fn shares(raster: Raster<Share>) -> Result<Raster<Share>> {
+fn shares(raster: Raster<Share>, cells: Cells) -> Result<Raster<Share>> {
+    if cells == Cells::Lent {
+        return Ok(raster);
+    }
     match raster.cells().iter().position(|share| !(0.0..=1.0).contains(share)) {
         Some(at) => {
             let (row, col, share) = (at / raster.cols(), at % raster.cols(), raster.cells()[at]);
