@@ -60,7 +60,7 @@ pub(crate) fn checks() -> Vec<Check> {
     checks
 }
 
-fn read(path: &Path) -> Result<Heightfield, String> {
+pub(crate) fn read(path: &Path) -> Result<Heightfield, String> {
     let file = InputPath(path.display().to_string());
     let read = ReadDem { file, ..ReadDem::default() }.run((), &Job::detached());
     read.map(|out| out.terrain).map_err(|error| error.to_string())

@@ -93,6 +93,30 @@ fn shared_samples_come_from_whoever_has_them_and_measured_ones_stay() {
 }
 
 #[test]
+fn zipped_neighbours_are_found_and_the_likeliest_name_comes_first() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = |name: &str| folder.path().join(name);
+    let zip = |name: &str| {
+        let file = fs::File::create(at(&format!("{name}.zip"))).unwrap();
+        let mut zip = zip::ZipWriter::new(file);
+        zip.start_file(name, zip::write::SimpleFileOptions::default()).unwrap();
+        std::io::Write::write_all(&mut zip, &fs::read(at(name)).unwrap()).unwrap();
+        zip.finish().unwrap();
+        fs::remove_file(at(name)).unwrap();
+    };
+    for name in ["N46E008.hgt", "N46E009.hgt"] {
+        write(folder.path(), name, |_, _| false);
+        zip(name);
+    }
+    // Beside a zipped tile its zipped neighbour comes first, whatever an unpacked one holds.
+    fs::write(at("N46E009.hgt"), "no tile").unwrap();
+    write(folder.path(), "N46E007.hgt", |_, _| false);
+    let ReadTileOut { terrain, around } = read(folder.path(), "N46E008.hgt.zip", 0.01).unwrap();
+    assert_eq!((around.grid().size(), around.grid().col0), ((SIDE, SIDE + 24), -12));
+    assert_eq!(voids(&around, "N46E008.hgt") + voids(&terrain, "N46E008.hgt"), 0);
+}
+
+#[test]
 fn missing_corners_are_void_and_sides_without_neighbour_are_not_there() {
     let folder = tempfile::tempdir().unwrap();
     for name in ["N46E008.hgt", "N47E008.hgt", "N46E007.hgt", "N45E009.hgt"] {
