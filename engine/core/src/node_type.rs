@@ -28,6 +28,10 @@ pub trait Instance: Send + Sync {
     fn halo(&self, cell: CellSize) -> usize;
     /// Rough work per cell.
     fn cost(&self) -> f64;
+    /// Names of files beside the input file `file` that the node reads, too, where they are there.
+    fn companions(&self, _file: &str) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 impl NodeType {
@@ -121,5 +125,8 @@ impl<N: Node> Instance for Erased<N> {
     }
     fn cost(&self) -> f64 {
         self.0.cost()
+    }
+    fn companions(&self, file: &str) -> Vec<String> {
+        self.0.companions(file)
     }
 }
