@@ -1,6 +1,6 @@
 //! The command line's grammar; the help texts are its manual.
 
-use std::path::PathBuf;
+use std::{ffi::OsString, path::PathBuf};
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
@@ -30,6 +30,8 @@ pub(crate) enum Command {
     Graph(GraphOptions),
     /// Look after the cache folder
     Cache(CacheOptions),
+    /// List plugins, check one, or begin one
+    Plugin(PluginCommand),
     /// Write the manual of all node types
     Manual(ManualOptions),
     /// Print a completion script for a shell
@@ -37,6 +39,29 @@ pub(crate) enum Command {
         /// The shell
         shell: Shell,
     },
+    /// Look at a plugin, or run one, for another process of this program
+    #[command(hide = true)]
+    PluginHost {
+        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
+        request: Vec<OsString>,
+    },
+}
+
+/// Which plugins there are, and where they run.
+#[derive(Args, Clone)]
+pub(crate) struct PluginOptions {
+    /// A folder of plugins; may be given many times, and goes before the folders of OROGRAPH_PLUGINS and the user's own
+    #[arg(long, value_name = "DIR")]
+    pub(crate) plugins: Vec<PathBuf>,
+    /// Run every plugin in a process of its own, so that what goes wrong there is its node's error
+    #[arg(long)]
+    pub(crate) isolate: bool,
+    /// Seconds that such a plugin may neither ask whether to stop nor report progress
+    #[arg(long, default_value_t = 60, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=86_400))]
+    pub(crate) isolate_silence: u64,
+    /// Memory that such a plugin may take beyond its inputs
+    #[arg(long, default_value = "8GiB", value_name = "BYTES", value_parser = size::parse)]
+    pub(crate) isolate_memory: u64,
 }
 
 /// What fixes a graph's parameters and context.
@@ -77,6 +102,8 @@ pub(crate) struct EvaluationOptions {
     /// Say nothing but errors
     #[arg(long, short)]
     pub(crate) quiet: bool,
+    #[command(flatten)]
+    pub(crate) plugins: PluginOptions,
 }
 
 #[derive(Args, Clone)]
@@ -113,6 +140,8 @@ pub(crate) struct CheckOptions {
     /// Set a parameter, as for `run`
     #[arg(long = "set", value_name = "NAME=VALUE")]
     pub(crate) set: Vec<String>,
+    #[command(flatten)]
+    pub(crate) plugins: PluginOptions,
 }
 
 #[derive(Args)]
@@ -122,6 +151,8 @@ pub(crate) struct NodesOptions {
     /// Print specs as JSON
     #[arg(long)]
     pub(crate) json: bool,
+    #[command(flatten)]
+    pub(crate) plugins: PluginOptions,
 }
 
 #[derive(Args)]
@@ -154,6 +185,54 @@ pub(crate) struct GraphOptions {
     /// Print the graph file in canonical form, without its `//` comments
     #[arg(long)]
     pub(crate) ron: bool,
+    #[command(flatten)]
+    pub(crate) plugins: PluginOptions,
+}
+
+#[derive(Args)]
+pub(crate) struct PluginCommand {
+    #[command(subcommand)]
+    pub(crate) action: PluginAction,
+}
+
+#[derive(Subcommand)]
+pub(crate) enum PluginAction {
+    /// Tell of every library in the plugin folders what it supplies, or why it is refused
+    List {
+        #[command(flatten)]
+        plugins: PluginOptions,
+        /// Look at every library anew, whatever is remembered of it
+        #[arg(long)]
+        rescan: bool,
+        /// As JSON
+        #[arg(long)]
+        json: bool,
+    },
+    /// Put a plugin through everything that a built-in node must stand, and tell what to mend
+    Check {
+        /// The plugin's library
+        library: PathBuf,
+    },
+    /// Begin a plugin: a folder with a node that builds and runs
+    New {
+        /// Its name: the folder's, and the library's
+        name: String,
+        /// The language
+        #[arg(long, value_enum, default_value_t = Language::Rust)]
+        lang: Language,
+        /// For Rust, where `orograph-plugin` lies; by default where this program was built, or else its repository
+        #[arg(long, value_name = "DIR")]
+        sdk: Option<PathBuf>,
+    },
+}
+
+/// What a plugin is written in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+pub(crate) enum Language {
+    /// Rust, with `orograph-plugin`
+    Rust,
+    /// C, with `orograph_plugin.h`
+    C,
 }
 
 #[derive(Args)]

@@ -8,6 +8,7 @@ mod commands;
 mod console;
 mod failure;
 mod manifest;
+mod plugins;
 mod progress;
 mod session;
 mod size;
@@ -23,6 +24,9 @@ fn main() -> ExitCode {
     std::panic::set_hook(Box::new(|_| {}));
     outlive_file_size_limit();
     let arguments = Arguments::parse();
+    if let Command::PluginHost { request } = &arguments.command {
+        return orograph_engine::plugin::serve(request);
+    }
     let result = std::panic::catch_unwind(|| match arguments.command {
         Command::Run(options) => commands::run::run(&options),
         Command::Check(options) => commands::check::run(&options),
@@ -30,8 +34,10 @@ fn main() -> ExitCode {
         Command::Sweep(options) => commands::sweep::run(&options),
         Command::Graph(options) => commands::graph::run(&options),
         Command::Cache(options) => commands::cache::run(&options),
+        Command::Plugin(options) => commands::plugin::run(&options.action),
         Command::Manual(options) => commands::manual::run(&options),
         Command::Completions { shell } => commands::completions::run(shell),
+        Command::PluginHost { .. } => Ok(()),
     });
     match result {
         Ok(Ok(())) => ExitCode::SUCCESS,

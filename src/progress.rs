@@ -38,12 +38,15 @@ struct Lines;
 
 impl Observer for Lines {
     fn event(&self, event: &Event<'_>) {
-        if let Event::Finished { node, outcome, .. } = event {
-            match outcome {
-                Outcome::Computed => console::note(&format!("computed {node}")),
-                Outcome::Failed(_) => console::note(&format!("failed   {node}")),
-                _ => {}
+        match event {
+            Event::Note { node, message } => console::note(&format!("{node}: {message}")),
+            Event::Finished { node, outcome: Outcome::Computed, .. } => {
+                console::note(&format!("computed {node}"));
             }
+            Event::Finished { node, outcome: Outcome::Failed(_), .. } => {
+                console::note(&format!("failed   {node}"));
+            }
+            _ => {}
         }
     }
 }
@@ -66,6 +69,10 @@ impl Observer for Bar {
                 Some(*overall)
             }
             Event::Progress { overall, .. } => Some(*overall),
+            Event::Note { node, message } => {
+                self.bar.println(format!("{node}: {message}"));
+                None
+            }
         };
         if let Some(overall) = overall {
             self.bar.set_position((overall * 1000.0) as u64);

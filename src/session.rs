@@ -14,15 +14,26 @@ use orograph_engine::{
 };
 
 use crate::{
-    arguments::{EvaluationOptions, GraphSettings},
+    arguments::{EvaluationOptions, GraphSettings, PluginOptions},
     console,
     failure::Failure,
-    size,
+    plugins, size,
 };
 
 /// The built-in node types.
-pub(crate) fn registry() -> Result<Registry, Failure> {
+pub(crate) fn built_in() -> Result<Registry, Failure> {
     Registry::new(orograph_nodes::all()).map_err(|clash| Failure::Other(clash.to_string()))
+}
+
+/// The built-in node types and those of plugins.
+pub(crate) fn registry(options: &PluginOptions, cache: Option<&Path>) -> Result<Registry, Failure> {
+    let mut registry = built_in()?;
+    for found in plugins::register(options, cache, false, &mut registry)? {
+        if let Err(reason) = found.outcome {
+            console::note(&format!("warning: the plugin {} is refused: {reason}", found.path.display()));
+        }
+    }
+    Ok(registry)
 }
 
 /// A graph file with its settings applied.

@@ -66,51 +66,65 @@ mod no_room {
         assert!(place.files("out").is_empty());
     }
 
-    /// Runs in folders `out` and `cache` of so many KiB, then lists the files there. `None` where the system lets no
-    /// ordinary user mount a file system of his own; [`limited`] stands in for it there.
-    #[cfg(target_os = "linux")]
-    fn on_a_small_disk(place: &Place, kib: u32, line: &str) -> Option<(Ended, String)> {
-        let inside = |script: &str| {
-            let mut command = Command::new("unshare");
-            command.args(["-Urm", "sh", "-c", script, env!("CARGO_BIN_EXE_orograph")]);
-            place.settle(&mut command);
-            command.output()
-        };
-        let mount =
-            format!("mount -t tmpfs -o size={kib}k none out && mount -t tmpfs -o size={kib}k none cache");
-        for folder in ["out", "cache"] {
-            fs::create_dir_all(place.path(folder)).unwrap();
-        }
-        if !inside(&mount).is_ok_and(|output| output.status.success()) {
-            return None;
-        }
-        let output =
-            inside(&format!("{mount} && \"$0\" {line}; code=$?; find out cache -type f > files; exit $code"));
-        let files = fs::read_to_string(place.path("files")).unwrap();
-        Some((Ended::new(line, output.unwrap()), files))
+    /// Limits that stop a write at its first byte, early, half-way and at its end, up to where everything fits.
+    fn limits() -> impl Iterator<Item = u32> {
+        (0..12).chain((12..48).step_by(3)).chain((48..1024).step_by(61)).chain([1 << 14])
     }
 
-    #[cfg(target_os = "linux")]
     #[test]
-    fn outputs_on_a_full_disk_fail_and_leave_nothing() {
+    fn wherever_an_output_ends_it_is_whole_or_not_there() {
         let place = larger();
-        let Some((ended, files)) = on_a_small_disk(&place, 64, "run g.ron --cache none") else { return };
-        ended.code(1).gives(&["stats:"]).tells(&[
-            "node `tif` (io.write_geotiff): writing out/flat.tif: No space left on device",
-            "node `asc` (io.write_ascii): writing out/flat.asc: No space left on device",
-            "the disk has room",
-        ]);
-        assert_eq!(files, "");
+        place.ok("run g.ron --cache none --out expected");
+        let expected = place.files("expected");
+        let (mut none, mut some, mut all) = (0, 0, 0);
+        for blocks in limits() {
+            let out = format!("out{blocks}");
+            let ended = limited(&place, blocks, &format!("run g.ron --cache none --out {out}"));
+            let files = place.files(&out);
+            for (name, bytes) in &files {
+                assert!(expected.get(name) == Some(bytes), "{name} is torn at {blocks} blocks: {ended:?}");
+            }
+            // What is missing is told, by its name.
+            let missing: Vec<_> = expected.keys().filter(|name| !files.contains_key(*name)).collect();
+            for name in &missing {
+                let told = format!("writing {out}/{name}: File too large");
+                assert!(ended.err.contains(&told), "{blocks} blocks: {ended:?}");
+            }
+            ended.code(i32::from(!missing.is_empty())).gives(&["stats:"]);
+            *[&mut all, &mut some, &mut none][missing.len()] += 1;
+        }
+        assert!(
+            none > 5 && some > 0 && all > 0,
+            "{none} without any, {some} with one and {all} with all outputs"
+        );
     }
 
-    #[cfg(target_os = "linux")]
     #[test]
-    fn a_cache_on_a_full_disk_degrades_to_memory() {
+    fn wherever_a_write_of_the_cache_ends_results_are_right_and_nothing_torn_is_left() {
         let place = larger();
-        let Some((ended, files)) = on_a_small_disk(&place, 64, "run g.ron stats") else { return };
-        let ended = ended.code(0).gives(&["stats:"]);
-        assert_eq!(ended.err.matches("warning: results are kept in memory alone").count(), 1, "{ended:?}");
-        assert!(!files.contains("/tmp/"), "{files}");
+        place.ok("run g.ron --cache none --out expected");
+        let expected = place.files("expected");
+        let (mut failed, mut kept) = (0, 0);
+        for blocks in limits() {
+            // No output is written, so that every write that fails is one of the cache.
+            let ended = limited(&place, blocks, "run g.ron stats").code(0).gives(&["stats:"]);
+            let warnings = ended.err.matches("warning: ").count();
+            assert!(warnings <= 1, "{blocks} blocks: {ended:?}");
+            let left = place.files("cache");
+            let is_torn = |name: &str, bytes: &[u8]| name.starts_with("v1/tmp") || bytes.is_empty();
+            assert!(
+                !left.iter().any(|(name, bytes)| is_torn(name, bytes)),
+                "{blocks} blocks: {:?}",
+                left.keys()
+            );
+            failed += warnings;
+            kept += 1 - warnings;
+            // What did get in is good: the next run, with room, builds on it.
+            place.ok(&format!("run g.ron --out out{blocks}"));
+            assert!(place.files(&format!("out{blocks}")) == expected, "{blocks} blocks");
+            fs::remove_dir_all(place.path("cache")).unwrap();
+        }
+        assert!(failed > 5 && kept > 0, "{failed} runs with a failing cache, {kept} with a whole one");
     }
 
     #[test]

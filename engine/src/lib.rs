@@ -8,6 +8,7 @@ pub mod document;
 pub mod eval;
 pub mod graph;
 pub mod manual;
+pub mod plugin;
 pub mod registry;
 
 pub use cache::{Cache, DiskTier};

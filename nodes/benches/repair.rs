@@ -44,9 +44,9 @@ const VOIDS: [(usize, usize); 4] = [(1201, 131_000), (1201, 65_500), (1201, 32_7
 #[divan::bench(args = VOIDS)]
 fn patch_voids(bencher: Bencher, (side, cells): (usize, usize)) {
     let terrain = holed(side, cells);
-    bencher
-        .counter(ItemsCount::new(cells))
-        .bench_local(|| VoidPatch::default().run(VoidPatchIn { terrain: &terrain }, &Job::detached()));
+    bencher.counter(ItemsCount::new(cells)).bench_local(|| {
+        VoidPatch::default().run(VoidPatchIn { terrain: &terrain, around: None }, &Job::detached())
+    });
 }
 
 #[divan::bench(args = VOIDS)]

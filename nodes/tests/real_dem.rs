@@ -13,6 +13,7 @@ mod real_dem {
     pub(crate) mod measure;
     pub(crate) mod repair;
     pub(crate) mod synthesis;
+    pub(crate) mod tiles;
 }
 
 use std::{
@@ -48,6 +49,7 @@ fn checks() -> Vec<Check> {
         real_dem::measure::checks(),
         real_dem::repair::checks(),
         real_dem::synthesis::checks(),
+        real_dem::tiles::checks(),
     ]
     .into_iter()
     .flatten()

@@ -11,7 +11,7 @@ use crate::{
 };
 
 pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
-    let registry = session::registry()?;
+    let registry = session::registry(&options.plugins, None)?;
     let mut first = None;
     for graph in &options.graphs {
         let settings = GraphSettings { graph: graph.clone(), set: options.set.clone(), vars: None };

@@ -9,10 +9,10 @@ use crate::{arguments::GraphOptions, console, failure::Failure, session};
 pub(crate) fn run(options: &GraphOptions) -> Result<(), Failure> {
     if options.ron {
         let document = Document::load(&options.settings.graph)?;
-        console::result(document.to_ron(&session::registry()?).trim_end());
+        console::result(document.to_ron(&session::registry(&options.plugins, None)?).trim_end());
         return Ok(());
     }
-    let compiled = session::load(&options.settings, &session::registry()?)?;
+    let compiled = session::load(&options.settings, &session::registry(&options.plugins, None)?)?;
     console::result(dot(&compiled.graph).trim_end());
     Ok(())
 }

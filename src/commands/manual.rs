@@ -7,7 +7,7 @@ use orograph_engine::manual;
 use crate::{arguments::ManualOptions, console, failure::Failure, session};
 
 pub(crate) fn run(options: &ManualOptions) -> Result<(), Failure> {
-    let pages = manual::book(&session::registry()?);
+    let pages = manual::book(&session::built_in()?);
     if options.check {
         return check(&options.out, &pages);
     }

@@ -7,5 +7,6 @@ mod each;
 pub(crate) mod graph;
 pub(crate) mod manual;
 pub(crate) mod nodes;
+pub(crate) mod plugin;
 pub(crate) mod run;
 pub(crate) mod sweep;

@@ -6,7 +6,7 @@ use serde_json::json;
 use crate::{arguments::NodesOptions, console, failure::Failure, session};
 
 pub(crate) fn run(options: &NodesOptions) -> Result<(), Failure> {
-    let registry = session::registry()?;
+    let registry = session::registry(&options.plugins, None)?;
     let Some(id) = &options.id else {
         let specs: Vec<_> = registry.iter().map(|node_type| node_type.spec()).collect();
         if options.json {

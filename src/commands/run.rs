@@ -19,7 +19,7 @@ use crate::{
 };
 
 pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
-    let registry = session::registry()?;
+    let registry = session::registry(&options.evaluation.plugins, options.evaluation.cache.as_deref())?;
     let items = each::items(options)?;
     let cancel = session::cancel_on_signal();
     // A graph that is wrong is refused before any folder is made.

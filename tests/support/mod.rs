@@ -66,6 +66,11 @@ impl Place {
     /// Gives a command this folder and cache, and no terminal.
     pub(crate) fn settle(&self, command: &mut Command) {
         command.current_dir(self.folder.path()).env("OROGRAPH_CACHE", self.path("cache"));
+        // What whoever runs the tests has installed is none of their business.
+        for (name, folder) in [("XDG_DATA_HOME", "data"), ("XDG_CONFIG_HOME", "config")] {
+            command.env(name, self.path(folder));
+        }
+        command.env_remove("OROGRAPH_PLUGINS");
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped());
     }
 

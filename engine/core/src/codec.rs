@@ -102,6 +102,54 @@ impl Value {
         })
     }
 
+    /// As [`decode`](Self::decode), from a head and a payload that lie apart; the cells of a raster are read where they
+    /// are.
+    ///
+    /// # Errors
+    /// [`CodecError`]; also when the payload is not aligned for its cells.
+    pub fn decode_lent(head: &[u8], payload: &'static [u8]) -> Result<Self, CodecError> {
+        let (tag, header) = split_head(head)?;
+        fn lent<K: Kind>(header: &[u8], payload: &'static [u8]) -> Result<Arc<Raster<K>>, CodecError> {
+            let cells = bytemuck::try_cast_slice(payload).map_err(|_| CodecError::Length)?;
+            let grid = sound_grid::<K>(header, payload.len())?;
+            Raster::lent(grid, cells).map(Arc::new).map_err(|_| CodecError::Length)
+        }
+        match tag {
+            0 => lent(header, payload).map(Self::Heightfield),
+            1 => lent(header, payload).map(Self::Mask),
+            2 => lent(header, payload).map(Self::Texture),
+            _ if payload.is_empty() => Self::decode(head),
+            _ => Err(CodecError::Length),
+        }
+    }
+
+    /// As [`decode`](Self::decode), from a head and a payload of `len` bytes that `fill` brings.
+    ///
+    /// # Errors
+    /// [`CodecError`]; also when there is no memory or `fill` gives `false`.
+    pub fn decode_filled(
+        head: &[u8],
+        len: usize,
+        fill: impl FnOnce(&mut [u8]) -> bool,
+    ) -> Result<Self, CodecError> {
+        let (tag, header) = split_head(head)?;
+        fn filled<K: Kind>(
+            header: &[u8],
+            len: usize,
+            fill: impl FnOnce(&mut [u8]) -> bool,
+        ) -> Result<Arc<Raster<K>>, CodecError> {
+            let grid = sound_grid::<K>(header, len)?;
+            Raster::of_filled(grid, fill).map(Arc::new).ok_or(CodecError::Length)
+        }
+        match tag {
+            0 => filled(header, len, fill).map(Self::Heightfield),
+            1 => filled(header, len, fill).map(Self::Mask),
+            2 => filled(header, len, fill).map(Self::Texture),
+            _ if len == 0 => Self::decode(head),
+            _ => Err(CodecError::Length),
+        }
+    }
+
     /// The digest of the value's content.
     #[must_use]
     pub fn digest(&self) -> Digest {
@@ -164,6 +212,24 @@ fn plain<T: DeserializeOwned>(header: &[u8]) -> Result<T, CodecError> {
     }
 }
 
+fn split_head(head: &[u8]) -> Result<(u8, &[u8]), CodecError> {
+    let (&tag, rest) = head.split_first().ok_or(CodecError::Length)?;
+    let (len, header) = rest.split_first_chunk::<8>().ok_or(CodecError::Length)?;
+    if u64::from_le_bytes(*len) != header.len() as u64 {
+        return Err(CodecError::Length);
+    }
+    Ok((tag, header))
+}
+
+/// The grid of a raster whose cells take `bytes`.
+fn sound_grid<K: Kind>(header: &[u8], bytes: usize) -> Result<Grid, CodecError> {
+    let grid: Grid = plain(header)?;
+    // The grid may come from anywhere: its size may not even be a number.
+    let cells = grid.rows.checked_mul(grid.cols);
+    let wanted = cells.and_then(|cells| cells.checked_mul(size_of::<K::Cell>()));
+    if wanted == Some(bytes) { Ok(grid) } else { Err(CodecError::Length) }
+}
+
 fn decode_raster<K: Kind>(header: &[u8], payload: &[u8]) -> Result<Raster<K>, CodecError> {
     let grid: Grid = plain(header)?;
     Raster::of_bytes(grid, payload).ok_or(CodecError::Length)
@@ -200,6 +266,28 @@ mod tests {
             assert_eq!(back.digest(), value.digest(), "{value:?}");
             assert_eq!(back.value_type(), value.value_type());
         }
+    }
+
+    #[test]
+    fn heads_and_payloads_may_lie_apart() {
+        for value in samples() {
+            let encoded = value.encode();
+            let filled = Value::decode_filled(&encoded.head, encoded.payload.len(), |bytes| {
+                bytes.copy_from_slice(encoded.payload);
+                true
+            });
+            assert_eq!(filled.unwrap().digest(), value.digest());
+            if !encoded.payload.is_empty() {
+                assert!(Value::decode_filled(&encoded.head, encoded.payload.len() - 4, |_| true).is_err());
+                assert!(Value::decode_filled(&encoded.head, encoded.payload.len(), |_| false).is_err());
+            }
+        }
+        static CELLS: [u32; 6] = [0x3f80_0000; 6];
+        let head = samples().swap_remove(0).encode().head;
+        let lent = Value::decode_lent(&head, bytemuck::cast_slice(&CELLS)).unwrap();
+        let Value::Heightfield(lent) = lent else { panic!("another type") };
+        assert_eq!(lent.cells().as_ptr().cast::<u32>(), CELLS.as_ptr());
+        assert!(Value::decode_lent(&head, &bytemuck::cast_slice(&CELLS)[..20]).is_err());
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::{
     io::{Seek, Write},
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::atomic::{AtomicU64, Ordering},
 };
 
@@ -34,6 +34,8 @@ pub trait Host: Sync {
     fn progress(&self, done: f64);
     /// Hears a remark for the user that is no failure.
     fn warn(&self, message: &str);
+    /// Hears something for who watches the run; it is not kept.
+    fn note(&self, _message: &str) {}
     /// Most bytes that one value may take.
     fn memory_limit(&self) -> u64;
     /// Where the file to read lies.
@@ -41,6 +43,14 @@ pub trait Host: Sync {
     /// # Errors
     /// [`Error::Io`] when it is not to be had.
     fn input_path(&self, path: &str) -> Result<PathBuf>;
+    /// Where the file `name` beside the file to read lies; `None` where there is no such file.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a name that is not among the node's [`companions`](crate::Node::companions);
+    /// [`Error::Io`] when the system does not say whether it is there.
+    fn companion(&self, _path: &str, _name: &str) -> Result<Option<PathBuf>> {
+        Ok(None)
+    }
     /// Begins a file in the output folder.
     ///
     /// # Errors
@@ -53,13 +63,20 @@ pub trait Host: Sync {
 pub struct Job<'a> {
     host: &'a dyn Host,
     context: Context,
+    silent: bool,
 }
 
 impl<'a> Job<'a> {
     /// A job on `host` that sees `context`.
     #[must_use]
     pub fn new(host: &'a dyn Host, context: Context) -> Self {
-        Self { host, context }
+        Self { host, context, silent: false }
+    }
+
+    /// The same job, whose progress and remarks nobody hears: for a part of the work that is done as a whole elsewhere.
+    #[must_use]
+    pub fn silent(&self) -> Self {
+        Self { silent: true, ..*self }
     }
 
     /// # Errors
@@ -77,18 +94,33 @@ impl<'a> Job<'a> {
 
     /// Reports how much of the work is done, 0 to 1.
     pub fn progress(&self, done: f64) {
-        self.host.progress(done);
+        if !self.silent {
+            self.host.progress(done);
+        }
     }
 
     /// A counter that reports progress as `total` steps are done, from any thread.
     #[must_use]
     pub fn stage(&self, total: u64) -> Stage<'a> {
-        Stage { host: self.host, total: total.max(1), done: AtomicU64::new(0) }
+        Stage { job: *self, total: total.max(1), done: AtomicU64::new(0) }
     }
 
     /// Tells the user something that is no failure. It is kept with the outputs and told again on a hit.
     pub fn warn(&self, message: impl AsRef<str>) {
-        self.host.warn(message.as_ref());
+        if !self.silent {
+            self.host.warn(message.as_ref());
+        }
+    }
+
+    /// Tells something to who watches the run. It is not kept with the outputs.
+    pub fn note(&self, message: impl AsRef<str>) {
+        self.host.note(message.as_ref());
+    }
+
+    /// Most bytes that one value may take.
+    #[must_use]
+    pub fn memory_limit(&self) -> u64 {
+        self.host.memory_limit()
     }
 
     /// The run's seed; 0 unless the node declares that it reads it.
@@ -111,6 +143,15 @@ impl<'a> Job<'a> {
         self.host.input_path(&path.0)
     }
 
+    /// Where the file `name` beside the file to read lies, one of the node's
+    /// [`companions`](crate::Node::companions); `None` where there is no such file.
+    ///
+    /// # Errors
+    /// As [`Host::companion`].
+    pub fn companion(&self, path: &InputPath, name: &str) -> Result<Option<PathBuf>> {
+        self.host.companion(&path.0, name)
+    }
+
     /// Begins a file in the output folder; it appears when it is finished, or not at all.
     ///
     /// # Errors
@@ -122,7 +163,7 @@ impl<'a> Job<'a> {
 
 /// Counts steps of work and reports them.
 pub struct Stage<'a> {
-    host: &'a dyn Host,
+    job: Job<'a>,
     total: u64,
     done: AtomicU64,
 }
@@ -133,7 +174,7 @@ impl Stage<'_> {
         let before = self.done.fetch_add(steps, Ordering::Relaxed);
         let percent = |done: u64| done.saturating_mul(100) / self.total;
         if percent(before) != percent(before + steps) {
-            self.host.progress((before + steps) as f64 / self.total as f64);
+            self.job.progress((before + steps) as f64 / self.total as f64);
         }
     }
 }
@@ -153,6 +194,9 @@ impl Host for DetachedHost {
     }
     fn input_path(&self, path: &str) -> Result<PathBuf> {
         Ok(PathBuf::from(path))
+    }
+    fn companion(&self, path: &str, name: &str) -> Result<Option<PathBuf>> {
+        Ok(Some(Path::new(path).with_file_name(name)).filter(|path| path.is_file()))
     }
     fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
         Err(Error::writing(path, "this run has no output folder"))

@@ -28,6 +28,7 @@ mod port;
 mod random;
 mod raster;
 mod spec;
+mod spec_check;
 mod table;
 mod unit;
 mod value;

@@ -44,6 +44,14 @@ pub trait Node: Params + Send + Sync + 'static {
         1.0
     }
 
+    /// Names of files beside the input file named `file` that the node reads, too, where they are there.
+    ///
+    /// A pure function of the settings and that name: the engine looks which of the files exist, counts their content as it
+    /// counts the file's own, and lets [`Job::companion`] find them.
+    fn companions(&self, _file: &str) -> Vec<String> {
+        Vec::new()
+    }
+
     /// Checks settings against each other, after each was checked against its range.
     ///
     /// # Errors

@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use crate::{CellSize, Inputs, Job, Node, NodeSpec, Outputs, ParamValue, RawParams, Result, Slot, Value};
+use crate::{
+    CellSize, Digest, Inputs, Job, Node, NodeSpec, Outputs, ParamValue, RawParams, Result, Slot, Value,
+};
 
 type Make = Box<dyn Fn(&[ParamValue]) -> Result<Arc<dyn Instance>> + Send + Sync>;
 type Upgrade = Box<dyn Fn(&mut RawParams, u32) -> Result<()> + Send + Sync>;
@@ -12,6 +14,7 @@ pub struct NodeType {
     spec: NodeSpec,
     make: Make,
     upgrade: Upgrade,
+    code: Option<Digest>,
 }
 
 /// A node with its settings, ready to run any number of times.
@@ -25,6 +28,10 @@ pub trait Instance: Send + Sync {
     fn halo(&self, cell: CellSize) -> usize;
     /// Rough work per cell.
     fn cost(&self) -> f64;
+    /// Names of files beside the input file `file` that the node reads, too, where they are there.
+    fn companions(&self, _file: &str) -> Vec<String> {
+        Vec::new()
+    }
 }
 
 impl NodeType {
@@ -49,7 +56,19 @@ impl NodeType {
         make: impl Fn(&[ParamValue]) -> Result<Arc<dyn Instance>> + Send + Sync + 'static,
         upgrade: impl Fn(&mut RawParams, u32) -> Result<()> + Send + Sync + 'static,
     ) -> Self {
-        Self { spec, make: Box::new(make), upgrade: Box::new(upgrade) }
+        Self { spec, make: Box::new(make), upgrade: Box::new(upgrade), code: None }
+    }
+
+    /// The same type, its code being of this content: other code then has other keys, whatever its version says.
+    #[must_use]
+    pub fn with_code(self, code: Digest) -> Self {
+        Self { code: Some(code), ..self }
+    }
+
+    /// The content of the code that supplies it; none for what the version alone tells.
+    #[must_use]
+    pub fn code(&self) -> Option<&Digest> {
+        self.code.as_ref()
     }
 
     /// What the node is.
@@ -106,5 +125,8 @@ impl<N: Node> Instance for Erased<N> {
     }
     fn cost(&self) -> f64 {
         self.0.cost()
+    }
+    fn companions(&self, file: &str) -> Vec<String> {
+        self.0.companions(file)
     }
 }

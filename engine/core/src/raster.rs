@@ -163,6 +163,13 @@ impl<K: Kind> Raster<K> {
         Some(Self { grid, cells: Buffer::of_bytes(bytes)? })
     }
 
+    /// A raster whose cells' bytes `fill` brings; `None` where the memory is lacking or `fill` gives `false`.
+    pub(crate) fn of_filled(grid: Grid, fill: impl FnOnce(&mut [u8]) -> bool) -> Option<Self> {
+        let mut cells = Buffer::<K::Cell>::zeroed(grid.len())?;
+        fill(bytemuck::cast_slice_mut(&mut cells)).then_some(())?;
+        Some(Self { grid, cells })
+    }
+
     fn bytes(grid: &Grid) -> u64 {
         (grid.len() as u64).saturating_mul(size_of::<K::Cell>() as u64)
     }

@@ -86,11 +86,12 @@ impl DiskTier {
         fs::create_dir_all(tier.temporary())?;
         let tag = tier.root.join("CACHEDIR.TAG");
         if !tag.exists() {
-            // The signature that backup programs look for.
-            fs::write(
-                tag,
-                "Signature: 8a477f597d28d172789f06886806bc55\n# Orograph's cache: safe to delete.\n",
+            // The signature that backup programs look for: whole, or they would not know it.
+            let mut file = tempfile::NamedTempFile::new_in(tier.temporary())?;
+            file.write_all(
+                b"Signature: 8a477f597d28d172789f06886806bc55\n# Orograph's cache: safe to delete.\n",
             )?;
+            file.persist(tag)?;
         }
         Ok(tier)
     }

@@ -44,6 +44,17 @@ impl FileDigests {
     }
 }
 
+/// Whether a file is there that may as well be absent. A folder of that name is no such file.
+pub(crate) fn is_there(path: &Path) -> Result<bool> {
+    match fs::metadata(path) {
+        Ok(meta) => Ok(meta.is_file()),
+        Err(error) if matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::NotADirectory) => {
+            Ok(false)
+        }
+        Err(error) => Err(Error::reading(path.display(), error)),
+    }
+}
+
 /// Modification times closer to now than this cannot tell one content from the next.
 const SETTLED: Duration = Duration::from_secs(2);
 

@@ -79,7 +79,7 @@ impl Compiled {
     /// one output alone.
     ///
     /// # Errors
-    /// That there is none, with the nearest name.
+    /// That there is none, with the nearest name; for a node of unknown type, why it is unknown.
     pub fn output(&self, text: &str) -> Result<OutputRef, DocumentError> {
         if let Some(output) = self.outputs.get(text).or_else(|| self.aliases.get(text)) {
             return Ok(*output);
@@ -92,6 +92,10 @@ impl Compiled {
         }
         if let Some((_, output)) = names.iter().find(|(name, _)| name == text) {
             return Ok(*output);
+        }
+        let node = text.rsplit_once('.').map_or(text, |(node, _)| node);
+        if let Some((_, unknown)) = self.missing.iter().find(|(id, _)| self.graph.node(**id).name == node) {
+            return Err(unknown.clone());
         }
         let error = DocumentError::new(format!("the graph has no output `{text}`"));
         if !of_node.is_empty() {

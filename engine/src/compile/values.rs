@@ -138,6 +138,13 @@ impl Compiler<'_> {
     ) -> Result<Arc<NodeType>, DocumentError> {
         let Some(node_type) = self.registry.get(id) else {
             let error = document.error(&["nodes", name, "node"], format!("there is no node type `{id}`"));
+            let plugin = document.nodes.get(name).map_or("", |node| node.plugin.as_str());
+            if !plugin.is_empty() {
+                let plugin = plugin.escape_debug();
+                return Err(error.help(format!(
+                    "the plugin `{plugin}` supplies it: install it, or name its folder with --plugins"
+                )));
+            }
             return Err(match self.nearest_type(id) {
                 Some(near) => error.help(format!("did you mean `{near}`?")),
                 None => error.help("`orograph nodes` lists the node types; a plugin may supply more"),

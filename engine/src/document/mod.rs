@@ -147,6 +147,8 @@ pub struct Node {
     pub bypass: bool,
     /// Why it is there.
     pub comment: String,
+    /// The plugin that supplies its type, told to who has it not.
+    pub plugin: String,
     /// Fields that format 1 does not know; kept for nodes of unknown types, refused for the others.
     pub extra: IndexMap<String, Literal>,
 }
@@ -186,6 +188,7 @@ impl Node {
             inputs: IndexMap::new(),
             bypass: false,
             comment: String::new(),
+            plugin: String::new(),
             extra: IndexMap::new(),
         }
     }

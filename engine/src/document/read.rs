@@ -11,8 +11,8 @@ use super::{
 use crate::registry::nearest;
 
 const DOCUMENT: [&str; 7] = ["format", "doc", "expose", "inputs", "outputs", "nodes", "layout"];
-pub(crate) const NODE_FIELDS: [&str; 7] =
-    ["node", "version", "graph", "params", "inputs", "bypass", "comment"];
+pub(crate) const NODE_FIELDS: [&str; 8] =
+    ["node", "version", "graph", "params", "inputs", "bypass", "comment", "plugin"];
 
 pub(super) fn document(source: &SourceText, tree: &Tree) -> Result<Document, DocumentErrors> {
     let mut reader = Reader { source, errors: Vec::new() };
@@ -290,6 +290,7 @@ impl<'a> Reader<'a> {
                     _ => self.expected(value, "`true` or `false`"),
                 },
                 "comment" => node.comment = self.string(value).unwrap_or_default(),
+                "plugin" => node.plugin = self.string(value).unwrap_or_default(),
                 name if NODE_FIELDS.contains(&name) => {}
                 _ => {
                     if !matches!(entry.key.shape, Shape::Word) {

@@ -119,6 +119,9 @@ impl Writer {
         if !node.comment.is_empty() {
             self.line(depth + 1, &format!("comment: {},", quote(&node.comment)));
         }
+        if !node.plugin.is_empty() {
+            self.line(depth + 1, &format!("plugin: {},", quote(&node.plugin)));
+        }
         for (name, value) in sorted(node.extra.iter()) {
             self.line(depth + 1, &format!("{name}: {},", value.to_ron()));
         }

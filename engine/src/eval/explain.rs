@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use orograph_core::{Context, Digest, Hasher, ParamKind, ParamValue};
 use serde::{Deserialize, Serialize};
 
-use super::key::{NodeKey, visible_context};
+use super::key::{NodeKey, companions, visible_context};
 use crate::{
     cache::Cache,
     graph::{Action, Graph, GraphNode},
@@ -37,9 +37,11 @@ impl Print {
         };
         for (param, value) in spec.params.iter().zip(values) {
             if let (ParamKind::InputPath, ParamValue::Text(text)) = (&param.kind, value)
-                && let Ok(digest) = node.input_path(text).and_then(|path| cache.file_digest(&path))
+                && let Ok(path) = node.input_path(text)
+                && let Ok(digest) = cache.file_digest(&path)
             {
                 print.files.push((text.clone(), digest));
+                print.files.extend(companions(node, &path, cache).unwrap_or_default());
             }
             print.params.push((param.name.to_string(), brief(value)));
         }
@@ -58,6 +60,24 @@ impl Print {
         }
         print
     }
+}
+
+/// Which files came, went or changed.
+fn changed_files(before: &[(String, Digest)], now: &[(String, Digest)]) -> String {
+    let find = |files: &[(String, Digest)], name: &str| {
+        files.iter().find(|(other, _)| other == name).map(|(_, digest)| *digest)
+    };
+    let names = |of: &[(String, Digest)], changed: &dyn Fn(&str, Digest) -> bool| {
+        let names = of.iter().filter(|(name, digest)| changed(name, *digest));
+        names.map(|(name, _)| name.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    let other = names(now, &|name, digest| find(before, name).is_some_and(|old| old != digest));
+    let new = names(now, &|name, _| find(before, name).is_none());
+    let gone = names(before, &|name, _| find(now, name).is_none());
+    let told =
+        [("the content of ", other, " changed"), ("", new, " came beside its file"), ("", gone, " is gone")];
+    let told = told.iter().filter(|(_, names, _)| !names.is_empty());
+    told.map(|(head, names, tail)| format!("{head}{names}{tail}")).collect::<Vec<_>>().join("; ")
 }
 
 /// A value in few words; what is long is told by its digest.
@@ -111,8 +131,7 @@ impl History {
             return reason;
         }
         if before.files != now.files {
-            let names: Vec<_> = now.files.iter().map(|(name, _)| name.as_str()).collect();
-            return format!("the content of {} changed", names.join(", "));
+            return changed_files(&before.files, &now.files);
         }
         if before.seed != now.seed {
             return format!("the run's seed changed from {} to {}", before.seed, now.seed);

@@ -8,7 +8,10 @@ use std::{
 use orograph_core::{Error, Host, OutputStream, Result};
 
 use super::{output::OutputFolder, run::Run};
-use crate::{cache::WrittenFile, graph::NodeId};
+use crate::{
+    cache::{WrittenFile, files::is_there},
+    graph::NodeId,
+};
 
 /// Serves one run of one node.
 pub(crate) struct TaskHost<'a> {
@@ -52,11 +55,23 @@ impl Host for TaskHost<'_> {
     fn warn(&self, message: &str) {
         self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());
     }
+    fn note(&self, message: &str) {
+        self.run.note(self.node, message);
+    }
     fn memory_limit(&self) -> u64 {
         self.run.shared.cache.memory_budget()
     }
     fn input_path(&self, path: &str) -> Result<PathBuf> {
         self.run.request.graph.node(self.node).input_path(path)
+    }
+    fn companion(&self, path: &str, name: &str) -> Result<Option<PathBuf>> {
+        let node = self.run.request.graph.node(self.node);
+        let named = node.companions(&node.input_path(path)?)?.into_iter().find(|(other, _)| other == name);
+        let Some((_, path)) = named else {
+            let message = format!("the node does not declare that it reads `{name}` beside `{path}`");
+            return Err(Error::invalid(message, "report it to the node's author"));
+        };
+        Ok(is_there(&path)?.then_some(path))
     }
     fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
         if self.run.request.graph.node(self.node).spec().is_some_and(|spec| spec.writes) {

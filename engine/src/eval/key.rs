@@ -5,7 +5,7 @@ use std::path::Path;
 use orograph_core::{Context, ContextItem, Digest, Error, Hasher, ParamKind, ParamValue};
 
 use crate::{
-    cache::Cache,
+    cache::{Cache, files::is_there},
     graph::{Action, Graph, GraphNode, NodeId},
 };
 
@@ -90,8 +90,14 @@ fn settings_key(node: &GraphNode, context: Context, cache: &Cache) -> (Digest, O
         let ParamValue::Text(text) = value else { continue };
         // A file counts by its content and its name, which some formats read meaning from; not by its folder.
         match file_key(node, &param.name, text, cache) {
-            Ok((name, digest)) => {
-                hasher.get_or_insert_with(|| run_hasher(&fixed)).text(&name).digest(&digest);
+            Ok(files) => {
+                let hasher = hasher.get_or_insert_with(|| run_hasher(&fixed));
+                if files.len() > 1 {
+                    hasher.text("with companions").number(files.len() as u64);
+                }
+                files.iter().for_each(|(name, digest)| {
+                    hasher.text(name).digest(digest);
+                });
             }
             Err(reason) => error = error.or(Some(reason)),
         }
@@ -109,7 +115,13 @@ fn run_hasher(fixed: &Digest) -> Hasher {
     hasher
 }
 
-fn file_key(node: &GraphNode, param: &str, text: &str, cache: &Cache) -> Result<(String, Digest), Error> {
+/// Name and digest of the file, and of those of its companions that are there.
+fn file_key(
+    node: &GraphNode,
+    param: &str,
+    text: &str,
+    cache: &Cache,
+) -> Result<Vec<(String, Digest)>, Error> {
     if text.is_empty() {
         return Err(Error::invalid(
             format!("`{param}` names no file"),
@@ -119,5 +131,22 @@ fn file_key(node: &GraphNode, param: &str, text: &str, cache: &Cache) -> Result<
     let path = node.input_path(text)?;
     let digest = cache.file_digest(&path)?;
     let name = path.file_name().map_or_else(String::new, |name| Path::new(name).display().to_string());
-    Ok((name, digest))
+    let mut files = vec![(name, digest)];
+    files.extend(companions(node, &path, cache)?);
+    Ok(files)
+}
+
+/// Names and digests of the files beside the input file `path` that the node reads, too.
+pub(crate) fn companions(
+    node: &GraphNode,
+    path: &Path,
+    cache: &Cache,
+) -> Result<Vec<(String, Digest)>, Error> {
+    let mut found = Vec::new();
+    for (name, path) in node.companions(path)? {
+        if is_there(&path)? {
+            found.push((name, cache.file_digest(&path)?));
+        }
+    }
+    Ok(found)
 }

@@ -61,6 +61,13 @@ pub enum Event<'a> {
         /// Share of the run's work that is done, weighted by cost.
         overall: f64,
     },
+    /// A running node said something that is not kept.
+    Note {
+        /// Its name.
+        node: &'a str,
+        /// What it said.
+        message: &'a str,
+    },
     /// A node is over.
     Finished {
         /// Its name.

@@ -282,6 +282,10 @@ impl Run {
         self.observer.event(&Event::Progress { node: self.name(node.0), done, overall });
     }
 
+    pub(crate) fn note(&self, node: NodeId, message: &str) {
+        self.observer.event(&Event::Note { node: self.name(node.0), message });
+    }
+
     fn overall(&self, state: &State) -> f64 {
         if state.cost > 0.0 { (state.done_cost / state.cost).clamp(0.0, 1.0) } else { 0.0 }
     }

@@ -3,7 +3,7 @@
 use std::{path::Path, sync::Arc};
 
 use indexmap::IndexMap;
-use orograph_core::{Arity, Digest, Hasher, NodeSpec, NodeType, ParamKind, ParamValue, PortSpec};
+use orograph_core::{Arity, Digest, Hasher, NodeType, ParamKind, ParamValue, PortSpec};
 use petgraph::{
     algo::{kosaraju_scc, toposort},
     graph::{DiGraph, NodeIndex},
@@ -37,7 +37,7 @@ impl GraphBuilder {
     ) -> Result<NodeId, GraphError> {
         let instance =
             node_type.instantiate(&values).map_err(|error| GraphError::Param { node: name.into(), error })?;
-        let fixed = fixed_key(node_type.spec(), &values);
+        let fixed = fixed_key(node_type, &values);
         let n_inputs = node_type.spec().inputs.len();
         self.push(name, Action::Run { node_type: Arc::clone(node_type), values, instance, fixed }, n_inputs)
     }
@@ -228,9 +228,13 @@ impl GraphBuilder {
     }
 }
 
-fn fixed_key(spec: &NodeSpec, values: &[ParamValue]) -> Digest {
+fn fixed_key(node_type: &NodeType, values: &[ParamValue]) -> Digest {
+    let spec = node_type.spec();
     let mut hasher = Hasher::new("orograph settings 1");
     hasher.text(&spec.id).number(u64::from(spec.version));
+    if let Some(code) = node_type.code() {
+        hasher.digest(code);
+    }
     for (_, value) in spec.params.iter().zip(values).filter(|(param, _)| param.kind != ParamKind::InputPath) {
         value.feed(&mut hasher);
     }

@@ -105,6 +105,24 @@ impl GraphNode {
         expand_path(text, self.base_dir(text), &|name| std::env::var(name).ok())
             .map_err(|error| Error::invalid(error.to_string(), error.hint()))
     }
+
+    /// The files beside the input file `path` that the node would read, too: their names, and where each would lie.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a name that leaves the file's folder.
+    pub fn companions(&self, path: &Path) -> Result<Vec<(String, PathBuf)>, Error> {
+        let Action::Run { instance, .. } = &self.action else { return Ok(Vec::new()) };
+        let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        let beside = |name: String| {
+            if Path::new(&name).file_name() != Some(name.as_ref()) {
+                let message = format!("the node names `{name}` as a file beside `{file}`");
+                return Err(Error::invalid(message, "report it to the node's author"));
+            }
+            let path = path.with_file_name(&name);
+            Ok((name, path))
+        };
+        instance.companions(&file).into_iter().map(beside).collect()
+    }
 }
 
 /// A graph ready to evaluate: every wire joins ports of one type, and there is no cycle.

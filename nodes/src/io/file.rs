@@ -4,6 +4,7 @@
 use std::{
     fs::File,
     io::{BufWriter, Read, Write},
+    path::Path,
 };
 
 use orograph_core::OutputStream;
@@ -17,19 +18,24 @@ pub(crate) fn load(path: &InputPath, job: &Job) -> Result<(Vec<u8>, String)> {
     }
     let full = job.input_path(path)?;
     let name = full.file_name().map_or_else(|| path.0.clone(), |name| name.to_string_lossy().into_owned());
-    let refused = |reason: std::io::Error| Error::reading(&path.0, reason);
-    let mut file = File::open(&full).map_err(refused)?;
+    Ok((load_whole(&full, &path.0, &name, job)?, name))
+}
+
+/// Reads the whole file at `full`, which the user knows as `shown`; `name` names its size.
+pub(crate) fn load_whole(full: &Path, shown: &str, name: &str, job: &Job) -> Result<Vec<u8>> {
+    let refused = |reason: std::io::Error| Error::reading(shown, reason);
+    let mut file = File::open(full).map_err(refused)?;
     let len = file.metadata().map_err(refused)?.len();
     job.admit(len, || format!("the file {name}"))?;
     let mut bytes = Vec::new();
     let wanted = usize::try_from(len).unwrap_or(usize::MAX);
-    bytes.try_reserve_exact(wanted).map_err(|reason| Error::reading(&path.0, reason))?;
+    bytes.try_reserve_exact(wanted).map_err(|reason| Error::reading(shown, reason))?;
     // Reading in pieces keeps a long read cancellable.
     const PIECE: u64 = 16 << 20;
     loop {
         job.check()?;
         if Read::by_ref(&mut file).take(PIECE).read_to_end(&mut bytes).map_err(refused)? == 0 {
-            return Ok((bytes, name));
+            return Ok(bytes);
         }
         job.admit(bytes.len() as u64, || format!("the file {name}"))?;
     }

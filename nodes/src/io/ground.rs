@@ -68,6 +68,23 @@ pub(crate) fn cell_size(
     Ok(CellSize { x, y })
 }
 
+/// Whether a georeference is in degrees of longitude and latitude by its coordinate system's number: WGS 84 or NAD 83.
+pub(crate) fn is_in_degrees(georef: &Georef) -> bool {
+    matches!(georef.crs.as_str(), "EPSG:4326" | "EPSG:4269")
+}
+
+/// The size in metres of the cells of a grid, by where it lies alone: the same bits for the same ground, whatever larger grid
+/// it was cut from.
+pub(crate) fn own_cell_size(grid: &Grid) -> CellSize {
+    /// Of a degree: a tenth of a metre, far above the rounding of transforms.
+    const FINEST: f64 = 1e6;
+    let Some(georef) = grid.georef_here().filter(is_in_degrees) else { return grid.cell };
+    let [_, xc, _, y0, _, yr] = georef.transform;
+    let middle = ((y0 + yr * grid.rows as f64 / 2.0) * FINEST).round() / FINEST;
+    let transform = [0.0, xc, 0.0, middle - yr * grid.rows as f64 / 2.0, 0.0, yr];
+    cell_size(&transform, grid.size(), MapUnit::Degrees(1.0), "").unwrap_or(grid.cell)
+}
+
 /// Whether a transform without coordinate system can only mean degrees: it stays on the globe, and its cells
 /// would be smaller than 2 cm otherwise.
 pub(crate) fn looks_like_degrees(transform: &[f64; 6], (rows, cols): (usize, usize)) -> bool {

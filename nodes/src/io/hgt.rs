@@ -38,6 +38,37 @@ pub fn tile_name(latitude: i32, longitude: i32) -> String {
     format!("{ns}{:02}{ew}{:03}.hgt", latitude.abs(), longitude.abs())
 }
 
+/// The tiles around the one that a file is named after: for each, its steps north and east, and the names that its file may
+/// have beside that file, likeliest first. None for a name that gives no corner, none beyond the poles.
+#[must_use]
+pub fn neighbours(file: &str) -> Vec<([i32; 2], Vec<String>)> {
+    let (Some((latitude, longitude)), Some(stem), Some(ending)) =
+        (corner(file), file.get(..7), file.get(7..))
+    else {
+        return Vec::new();
+    };
+    let is_small = stem.bytes().any(|byte| byte.is_ascii_lowercase());
+    let mut all = Vec::with_capacity(8);
+    for (north, east) in [(1, -1), (1, 0), (1, 1), (0, -1), (0, 1), (-1, -1), (-1, 0), (-1, 1)] {
+        let latitude = latitude + north;
+        if !(-90..90).contains(&latitude) {
+            continue;
+        }
+        let name = tile_name(latitude, (longitude + east + 180).rem_euclid(360) - 180);
+        let stem = &name[..7];
+        let stem = if is_small { stem.to_ascii_lowercase() } else { stem.to_owned() };
+        let mut names: Vec<String> = Vec::new();
+        for ending in [ending, ".hgt", ".hgt.zip"] {
+            let name = format!("{stem}{ending}");
+            if !names.contains(&name) {
+                names.push(name);
+            }
+        }
+        all.push(([north, east], names));
+    }
+    all
+}
+
 /// The heights in a tile; `name` gives its place and names it in errors. -32768 becomes a void.
 ///
 /// # Errors
@@ -121,6 +152,30 @@ mod tests {
             assert_eq!(corner(name), None, "{name}");
         }
         assert_eq!(tile_name(-5, 7), "S05E007.hgt");
+    }
+
+    #[test]
+    fn neighbours_lie_around_and_are_named_alike() {
+        let names = |file: &str| -> Vec<String> {
+            neighbours(file).into_iter().map(|(_, names)| names[0].clone()).collect()
+        };
+        assert_eq!(
+            names("N46E008.hgt.zip"),
+            ["N47E007", "N47E008", "N47E009", "N46E007", "N46E009", "N45E007", "N45E008", "N45E009"]
+                .map(|stem| format!("{stem}.hgt.zip"))
+        );
+        // Across the equator and Greenwich, across the date line, at a pole, and in small letters.
+        assert_eq!(names("n00e000.HGT")[5..], ["s01w001.HGT", "s01e000.HGT", "s01e001.HGT"]);
+        assert_eq!(names("S01W001.hgt")[..3], ["N00W002.hgt", "N00W001.hgt", "N00E000.hgt"]);
+        assert_eq!(names("N10E179.hgt")[4], "N10W180.hgt");
+        assert_eq!(names("N10W180.hgt")[3], "N10E179.hgt");
+        assert_eq!(names("S90E010.hgt").len(), 5);
+        assert_eq!(names("N89E010.hgt").len(), 5);
+        assert_eq!(neighbours("N46E008.hgt")[0].1, ["N47E007.hgt", "N47E007.hgt.zip"]);
+        assert_eq!(neighbours("N46E008_v3.tif")[0].1, ["N47E007_v3.tif", "N47E007.hgt", "N47E007.hgt.zip"]);
+        for file in ["", "tile.hgt", "N46E0", "N46E00ö.hgt"] {
+            assert!(neighbours(file).is_empty(), "{file}");
+        }
     }
 
     #[test]

@@ -18,6 +18,7 @@ pub mod read_png;
 pub mod read_points;
 pub mod read_raw;
 pub mod read_texture;
+pub mod read_tile;
 #[cfg(test)]
 mod tests;
 pub mod write_ascii;
@@ -42,6 +43,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<read_points::ReadPoints>(),
         NodeType::of::<read_raw::ReadRaw>(),
         NodeType::of::<read_texture::ReadTexture>(),
+        NodeType::of::<read_tile::ReadTile>(),
         NodeType::of::<write_ascii::WriteAscii>(),
         NodeType::of::<write_exr::WriteExr>(),
         NodeType::of::<write_geotiff::WriteGeotiff>(),

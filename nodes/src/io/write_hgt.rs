@@ -2,7 +2,7 @@
 
 use orograph_core::prelude::*;
 
-use super::{file, hgt};
+use super::{file, ground::is_in_degrees, hgt};
 
 /// Writes terrain as an SRTM tile of 1201 or 3601 samples a side, in whole metres.
 ///
@@ -44,7 +44,7 @@ impl Node for WriteHgt {
         job.check()?;
         let bytes = hgt::write(inputs.terrain, job)?;
         let here = inputs.terrain.grid().georef_here();
-        let georef = here.filter(|georef| georef.crs == "EPSG:4326" || georef.crs == "EPSG:4269");
+        let georef = here.filter(is_in_degrees);
         if let (Some(Georef { transform, .. }), Some(named)) = (georef, hgt::corner(&self.file.0)) {
             let rows = inputs.terrain.rows() as f64;
             let corner = (

@@ -91,10 +91,43 @@ pub fn find(
                 (row + at[1].saturating_sub(reach)..row + (at[1] + reach + 1).min(cols)).for_each(&mut visit);
             }
         }
-        void.cells.sort_unstable();
+        void.cells = in_order(void.cells, void.first[0], void.last[0], cols, job)?;
         found.push(void);
     }
     Ok(found)
+}
+
+/// Cells of rows `first` to `last` in ascending order. Row by row, so that the sorting of a large void can be cancelled.
+fn in_order(cells: Vec<usize>, first: usize, last: usize, cols: usize, job: &Job<'_>) -> Result<Vec<usize>> {
+    const FEW: usize = 1 << 16;
+    if cells.len() <= FEW {
+        let mut cells = cells;
+        cells.sort_unstable();
+        return Ok(cells);
+    }
+    let mut ends = vec![0; last - first + 1];
+    cells.iter().for_each(|cell| ends[cell / cols - first] += 1);
+    let mut end = 0;
+    for row in &mut ends {
+        end += std::mem::replace(row, end);
+    }
+    job.check()?;
+    let mut sorted = vec![0; cells.len()];
+    for (i, cell) in cells.into_iter().enumerate() {
+        if i.is_multiple_of(FEW) {
+            job.check()?;
+        }
+        let end = &mut ends[cell / cols - first];
+        sorted[*end] = cell;
+        *end += 1;
+    }
+    let mut start = 0;
+    for end in ends {
+        job.check()?;
+        sorted[start..end].sort_unstable();
+        start = end;
+    }
+    Ok(sorted)
 }
 
 /// Known heights kept, voids filled by row and column.

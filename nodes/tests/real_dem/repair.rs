@@ -60,7 +60,7 @@ pub(crate) fn checks() -> Vec<Check> {
     checks
 }
 
-fn read(path: &Path) -> Result<Heightfield, String> {
+pub(crate) fn read(path: &Path) -> Result<Heightfield, String> {
     let file = InputPath(path.display().to_string());
     let read = ReadDem { file, ..ReadDem::default() }.run((), &Job::detached());
     read.map(|out| out.terrain).map_err(|error| error.to_string())
@@ -88,7 +88,10 @@ fn patches(path: &Path) -> Result<(), String> {
             let metrics = Compare { rim: 2 }.run(inputs, &job).map_err(said)?.metrics;
             Ok::<_, String>(move |name: &str| metrics.metric(name).unwrap_or(f64::NAN))
         };
-        let filled = VoidPatch::default().run(VoidPatchIn { terrain: &tile }, &job).map_err(said)?.terrain;
+        let filled = VoidPatch::default()
+            .run(VoidPatchIn { terrain: &tile, around: None }, &job)
+            .map_err(said)?
+            .terrain;
         let patch = measure(&filled)?;
         if patch("exact_at_known") != 100.0 || patch("missing") != 0.0 {
             return Err("a known cell was changed, or one is missing".into());
@@ -121,7 +124,7 @@ fn fills(path: &Path) -> Result<(), String> {
         return Err("the tile has no voids".into());
     }
     let filled = VoidPatch::default()
-        .run(VoidPatchIn { terrain: &tile }, &Job::detached())
+        .run(VoidPatchIn { terrain: &tile, around: None }, &Job::detached())
         .map_err(|error| error.to_string())?
         .terrain;
     if filled.void_count() > 0 {

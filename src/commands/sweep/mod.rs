@@ -18,7 +18,7 @@ use values::{Axis, combinations};
 type Combination = Vec<(String, String)>;
 
 pub(crate) fn run(options: &SweepOptions) -> Result<(), Failure> {
-    let registry = session::registry()?;
+    let registry = session::registry(&options.evaluation.plugins, options.evaluation.cache.as_deref())?;
     let document = Document::load(&options.settings.graph)?;
     let axes = options.params.iter().map(|text| Axis::parse(text)).collect::<Result<Vec<_>, _>>()?;
     let count = axes.iter().fold(1_usize, |count, axis| count.saturating_mul(axis.values.len()));

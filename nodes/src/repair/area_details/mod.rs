@@ -175,7 +175,9 @@ impl Patch {
         patch.frame = Frame::around(void, details.margin as usize, details.levels, size);
         let Some(frame) = patch.frame else { return Ok(patch.bare(smooth, void)) };
         job.admit(frame.len() as u64 * 80, || format!("a void's box of {} cells", frame.len()))?;
-        let around = Texture::around(terrain, void);
+        // The paper's rules look at no texture.
+        let looks = details.source == From::Search || details.strength == Match::Surroundings;
+        let around = if looks { Texture::around(terrain, void) } else { Texture::default() };
         patch.source = match details.source {
             From::Neighbours => source::neighbour(terrain, smooth, &frame),
             From::Search => {

@@ -11,7 +11,7 @@ use orograph_core::prelude::*;
 use rayon::prelude::*;
 
 use super::voids::{self, around};
-use system::{NONE, System};
+use system::{NONE, System, check_often};
 
 /// Fills holes with the smoothest surface that meets their rim; every other cell is unchanged.
 ///
@@ -81,7 +81,10 @@ pub fn harmonic_fill(terrain: &Heightfield, holes: Option<&Mask>, job: &Job<'_>)
     let holes = voids::find((rows, cols), 0, is_hole, job)?;
     let mut local = vec![NONE; rows * cols];
     for hole in &holes {
-        hole.cells.iter().enumerate().for_each(|(number, &i)| local[i] = number as u32);
+        for (number, &i) in hole.cells.iter().enumerate() {
+            check_often(number, job)?;
+            local[i] = number as u32;
+        }
     }
     let cell = terrain.grid().cell;
     let widest = cell.x.min(cell.y);
@@ -123,7 +126,8 @@ fn solve(
     let mut rim = Rim::default();
     let mut system =
         System { weight_x, weight_y, near: Vec::with_capacity(cells.len()), diagonal: Vec::new() };
-    for &i in cells {
+    for (unknown, &i) in cells.iter().enumerate() {
+        check_often(unknown, job)?;
         let mut near = [NONE; 4];
         let mut diagonal = 0.0;
         for (side, next) in around(i, (rows, cols)).into_iter().enumerate() {
@@ -153,14 +157,17 @@ fn solve(
     let mean = rim.sum / rim.count;
     let right: Vec<f64> = cells
         .iter()
-        .map(|&i| {
+        .enumerate()
+        .map(|(unknown, &i)| {
+            check_often(unknown, job)?;
             let sides = around(i, (rows, cols)).into_iter().enumerate();
             let known = sides.filter_map(|(side, next)| Some((side, next?)));
-            known
-                .filter(|&(_, next)| local[next] == NONE && !heights[next].is_nan())
-                .fold(0.0, |sum, (side, next)| sum + system.weight(side) * (f64::from(heights[next]) - mean))
+            let rim = known.filter(|&(_, next)| local[next] == NONE && !heights[next].is_nan());
+            let pull = rim
+                .fold(0.0, |sum, (side, next)| sum + system.weight(side) * (f64::from(heights[next]) - mean));
+            Ok(pull)
         })
-        .collect();
+        .collect::<Result<_>>()?;
     let solution = system.solve(right, job)?;
     let clamp = |height: f64| height.clamp(f64::from(rim.lowest), f64::from(rim.highest)) as f32;
     Ok(Some(solution.into_iter().map(|offset| clamp(mean + offset)).collect()))
@@ -191,6 +198,13 @@ impl Rim {
 
 #[cfg(test)]
 mod tests {
+    use std::{
+        path::PathBuf,
+        sync::atomic::{AtomicU64, Ordering},
+    };
+
+    use orograph_core::{Context, Host, OutputStream};
+
     use super::*;
     use crate::test_fields::field;
     use orograph_core::{key, unit};
@@ -301,6 +315,57 @@ mod tests {
         let out = harmonic_fill(&spiked, Some(&holes), &Job::detached()).unwrap();
         assert!(out.at(0, 0).is_nan());
         assert_eq!(out.cells()[1..], terrain.cells()[1..]);
+    }
+
+    /// Cancels the work when it is asked for the last time that is allowed.
+    struct Cancelling {
+        asked: AtomicU64,
+        most: u64,
+    }
+
+    impl Host for Cancelling {
+        fn cancelled(&self) -> bool {
+            self.asked.fetch_add(1, Ordering::Relaxed) >= self.most
+        }
+        fn progress(&self, _: f64) {}
+        fn warn(&self, _: &str) {}
+        fn memory_limit(&self) -> u64 {
+            1 << 30
+        }
+        fn input_path(&self, path: &str) -> Result<PathBuf> {
+            Err(Error::reading(path, "there are no files here"))
+        }
+        fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
+            Err(Error::writing(path, "there are no files here"))
+        }
+    }
+
+    #[test]
+    fn one_large_hole_can_be_cancelled_at_every_pass_over_it() {
+        // 360,000 unknowns: six pieces, each of which asks in each pass over the hole.
+        const SIDE: usize = 602;
+        let inside = |at: usize| (1..SIDE - 1).contains(&at);
+        let holed = field(
+            SIDE,
+            SIDE,
+            |row, col| {
+                if inside(row) && inside(col) { f64::NAN } else { (row * col) as f64 }
+            },
+        );
+        let asked = |most: u64| {
+            let host = Cancelling { asked: AtomicU64::new(0), most };
+            let ended = harmonic_fill(&holed, None, &Job::new(&host, Context::default()));
+            (host.asked.into_inner(), ended)
+        };
+        // Copy and search ask once a row or two; what is asked from there on is asked within the solution.
+        let before = 3 * SIDE as u64;
+        for most in [before, before + 30, before + 100] {
+            let (asked, ended) = asked(most);
+            assert_eq!(ended.err(), Some(Error::Cancelled), "after {most}");
+            assert!(asked <= most + 4, "asked {asked} times instead of {most}");
+        }
+        let cancelled_in_pass = asked(before + 6 * 40);
+        assert_eq!(cancelled_in_pass.1.err(), Some(Error::Cancelled));
     }
 
     #[test]

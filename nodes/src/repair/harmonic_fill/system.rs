@@ -37,21 +37,24 @@ impl System {
         x.get(self.near[i][side] as usize).map_or(0.0, |x| x * self.weight(side))
     }
 
-    fn multiply(&self, x: &[f64], out: &mut [f64]) {
+    fn multiply(&self, x: &[f64], out: &mut [f64], job: &Job<'_>) -> Result<()> {
         for (i, out) in out.iter_mut().enumerate() {
+            check_often(i, job)?;
             let around = self.part(x, i, WEST)
                 + self.part(x, i, NORTH)
                 + self.part(x, i, EAST)
                 + self.part(x, i, SOUTH);
             *out = self.diagonal[i] * x[i] - around;
         }
+        Ok(())
     }
 
     /// Reciprocal pivots of the modified incomplete factorisation: fill-in is added to the diagonal, almost wholly.
-    fn pivots(&self) -> Vec<f64> {
+    fn pivots(&self, job: &Job<'_>) -> Result<Vec<f64>> {
         let (fill, safety) = (0.97, 0.25);
         let mut pivots: Vec<f64> = Vec::with_capacity(self.near.len());
         for (i, &diagonal) in self.diagonal.iter().enumerate() {
+            check_often(i, job)?;
             let mut pivot = diagonal;
             for (side, across) in [(WEST, SOUTH), (NORTH, EAST)] {
                 let before = self.near[i][side] as usize;
@@ -64,12 +67,13 @@ impl System {
             let pivot = if pivot < safety * diagonal { diagonal } else { pivot };
             pivots.push(1.0 / pivot.sqrt());
         }
-        pivots
+        Ok(pivots)
     }
 
     /// Applies the inverse of the factorisation.
-    fn precondition(&self, pivots: &[f64], residual: &[f64], out: &mut [f64]) {
+    fn precondition(&self, pivots: &[f64], residual: &[f64], out: &mut [f64], job: &Job<'_>) -> Result<()> {
         for i in 0..out.len() {
+            check_often(i, job)?;
             let mut sum = residual[i];
             for side in [WEST, NORTH] {
                 let near = self.near[i][side] as usize;
@@ -80,9 +84,11 @@ impl System {
             out[i] = sum * pivots[i];
         }
         for i in (0..out.len()).rev() {
+            check_often(i, job)?;
             let around = self.part(out, i, EAST) + self.part(out, i, SOUTH);
             out[i] = (out[i] + around * pivots[i]) * pivots[i];
         }
+        Ok(())
     }
 
     /// The solution for a right-hand side.
@@ -96,9 +102,9 @@ impl System {
         if start == 0.0 {
             return Ok(x);
         }
-        let pivots = self.pivots();
+        let pivots = self.pivots(job)?;
         let mut z = vec![0.0; n];
-        self.precondition(&pivots, &residual, &mut z);
+        self.precondition(&pivots, &residual, &mut z, job)?;
         let mut direction = z.clone();
         let mut image = vec![0.0; n];
         let mut energy = dot(&residual, &z);
@@ -106,7 +112,7 @@ impl System {
         let mut share = 1.0;
         for _ in 0..cap {
             job.check()?;
-            self.multiply(&direction, &mut image);
+            self.multiply(&direction, &mut image, job)?;
             let step = energy / dot(&direction, &image);
             for i in 0..n {
                 x[i] += step * direction[i];
@@ -116,7 +122,7 @@ impl System {
             if share <= RESIDUAL {
                 return Ok(x);
             }
-            self.precondition(&pivots, &residual, &mut z);
+            self.precondition(&pivots, &residual, &mut z, job)?;
             let next = dot(&residual, &z);
             let turn = next / energy;
             energy = next;
@@ -127,6 +133,12 @@ impl System {
         // NaN counts as hopeless too.
         if share <= HOPELESS { Ok(x) } else { Err(Error::NotConverged { steps: cap, residual: share }) }
     }
+}
+
+/// Hears of a cancellation every few hundred microseconds of a loop over unknowns, of which a hole may have many millions.
+#[inline]
+pub(super) fn check_often(i: usize, job: &Job<'_>) -> Result<()> {
+    if i.is_multiple_of(1 << 16) { job.check() } else { Ok(()) }
 }
 
 fn dot(a: &[f64], b: &[f64]) -> f64 {

@@ -103,8 +103,15 @@ pub fn thin_plate_fill(
         .par_iter()
         .zip(&windows)
         .map(|(void, window)| {
-            let filled = window.fill(terrain, void, stiff, job)?;
-            done.advance(void.cells.len() as u64);
+            let (all, mut told) = (void.cells.len() as f64, 0);
+            let mut tell = |share: f64| {
+                // A plate may lose digits when it is corrected.
+                let now = (all * share.clamp(0.0, 1.0)) as u64;
+                done.advance(now.saturating_sub(told));
+                told = told.max(now);
+            };
+            let filled = window.fill(terrain, void, stiff, job, &mut tell)?;
+            tell(1.0);
             Ok(filled)
         })
         .collect::<Result<_>>()?;
@@ -148,6 +155,7 @@ impl Window {
         void: &Void,
         stiff: Stiffness,
         job: &Job<'_>,
+        tell: impl FnMut(f64),
     ) -> Result<Option<Vec<f32>>> {
         let cols = terrain.cols();
         let local = |i: usize| (i / cols - self.first[0]) * self.size.1 + i % cols - self.first[1];
@@ -169,7 +177,8 @@ impl Window {
         // Heights about their mean: rounding is relative to the relief.
         let mean = sum / n;
         heights.iter_mut().for_each(|height| *height -= mean);
-        let surface = solve::solve(&heights, &free, self.size, terrain.grid().cell, stiff.stiffness, job)?;
+        let (cell, stiff) = (terrain.grid().cell, stiff.stiffness);
+        let surface = solve::solve(&heights, &free, self.size, cell, stiff, job, tell)?;
         Ok(Some(void.cells.iter().map(|&i| (mean + surface[local(i)]) as f32).collect()))
     }
 }

@@ -21,7 +21,8 @@ const CORRECTION: f64 = 1e-6;
 const CORRECTIONS: usize = 8;
 const STEPS: usize = 300;
 
-/// Fills the cells of a plate that are `free` with the surface that bends least; the others are known.
+/// Fills the cells of a plate that are `free` with the surface that bends least; the others are known. `tell` hears which
+/// share of the digits is found.
 ///
 /// # Errors
 /// [`Error::Cancelled`].
@@ -32,6 +33,7 @@ pub(super) fn solve(
     cell: CellSize,
     stiff: f64,
     job: &Job<'_>,
+    mut tell: impl FnMut(f64),
 ) -> Result<Vec<f64>> {
     let cols = size.1;
     let bending = Bending::new(size, cell, stiff);
@@ -49,13 +51,16 @@ pub(super) fn solve(
             *image = 0.0;
         }
         let error = iteration.begin();
-        let wanted = ERROR * *first.get_or_insert(error);
+        let all = *first.get_or_insert(error);
+        let wanted = ERROR * all;
         // NaN ends it, too, and so does what cannot be bettered with the digits that there are.
         if !(error > wanted && error < before) {
             break;
         }
         before = error;
-        iteration.run(error, wanted.max(CORRECTION * error), job)?;
+        iteration.run(error, wanted.max(CORRECTION * error), job, |left| {
+            tell(libm::log(left / all) / libm::log(ERROR));
+        })?;
         surface
             .par_chunks_mut(cols)
             .zip(iteration.correction.par_chunks(cols))
@@ -92,8 +97,8 @@ impl<'a> Iteration<'a> {
         error
     }
 
-    /// Steps until the error has at most the energy `wanted`.
-    fn run(&mut self, mut error: f64, wanted: f64, job: &Job<'_>) -> Result<()> {
+    /// Steps until the error has at most the energy `wanted`; `tell` hears what it has after each.
+    fn run(&mut self, mut error: f64, wanted: f64, job: &Job<'_>, mut tell: impl FnMut(f64)) -> Result<()> {
         let cols = self.bending.size.1;
         for _ in 0..STEPS {
             job.check()?;
@@ -119,6 +124,7 @@ impl<'a> Iteration<'a> {
             if next.is_nan() || next <= wanted {
                 break;
             }
+            tell(next);
             let turn = (next / error) as f32;
             error = next;
             self.direction

@@ -5,6 +5,9 @@
 //! curves; and the details are those of [`area_details`]. Both are parameters, and
 //! [`Preset::PaperStrict`] has none of them.
 
+mod edges;
+mod offsets;
+
 use orograph_core::prelude::*;
 
 use super::{
@@ -86,6 +89,9 @@ pub struct VoidPatch {
 pub struct VoidPatchIn<'a> {
     /// Terrain with voids.
     pub terrain: &'a Heightfield,
+    /// The same terrain with ground beyond its edges, as `io.read_tile` gives it: voids at an edge are filled looking across,
+    /// and the tile on the other side fills what both share alike.
+    pub around: Option<&'a Heightfield>,
 }
 
 /// Outputs of [`VoidPatch`].
@@ -112,27 +118,37 @@ impl Node for VoidPatch {
     }
 
     fn run(&self, inputs: VoidPatchIn<'_>, job: &Job) -> Result<VoidPatchOut> {
-        let terrain = inputs.terrain;
         let settings = self.settings();
-        if terrain.void_count() == 0 {
-            job.warn("the terrain has no voids and stays as it is");
+        let patch = |terrain: &Heightfield, job: &Job<'_>| settings.patch(terrain, job);
+        match inputs.around {
+            Some(around) if inputs.terrain.void_count() > 0 => {
+                edges::patch_within(inputs.terrain, around, patch, job)
+            }
+            _ => patch(inputs.terrain, job),
         }
-        let smooth = match (settings.smooth, settings.details) {
-            (Smooth::Curves, _) | (_, Kind::Curves) => settings.curves(terrain, job)?,
-            (Smooth::ThinPlate, _) => thin_plate_fill(terrain, None, settings.stiff, job)?,
-            (Smooth::Harmonic, _) => harmonic_fill(terrain, None, job)?,
-        };
-        let (patch, report) = match settings.details {
-            Kind::Area => area_details::transplant(terrain, &smooth, &settings.area, job)?,
-            Kind::Curves | Kind::None => (smooth.clone(), Table::new(Vec::new())?),
-        };
-        let mut filled = feather(terrain, &patch, settings.joining, job)?;
-        self.leave_large(terrain, &mut filled, job)?;
-        Ok(VoidPatchOut { terrain: filled, smooth, report })
     }
 }
 
 impl VoidPatch {
+    /// Patches all voids, by settings without preset.
+    fn patch(&self, terrain: &Heightfield, job: &Job<'_>) -> Result<VoidPatchOut> {
+        if terrain.void_count() == 0 {
+            job.warn("the terrain has no voids and stays as it is");
+        }
+        let smooth = match (self.smooth, self.details) {
+            (Smooth::Curves, _) | (_, Kind::Curves) => self.curves(terrain, job)?,
+            (Smooth::ThinPlate, _) => thin_plate_fill(terrain, None, self.stiff, job)?,
+            (Smooth::Harmonic, _) => harmonic_fill(terrain, None, job)?,
+        };
+        let (patch, report) = match self.details {
+            Kind::Area => area_details::transplant(terrain, &smooth, &self.area, job)?,
+            Kind::Curves | Kind::None => (smooth.clone(), Table::new(Vec::new())?),
+        };
+        let mut filled = feather(terrain, &patch, self.joining, job)?;
+        self.leave_large(terrain, &mut filled, job)?;
+        Ok(VoidPatchOut { terrain: filled, smooth, report })
+    }
+
     /// The parameters that the preset leaves.
     fn settings(&self) -> Self {
         match self.preset {

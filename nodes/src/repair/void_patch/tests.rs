@@ -7,7 +7,7 @@ const SMOOTH: [Smooth; 3] = [Smooth::ThinPlate, Smooth::Curves, Smooth::Harmonic
 const KINDS: [Kind; 3] = [Kind::Area, Kind::Curves, Kind::None];
 
 fn patched(node: &VoidPatch, terrain: &Heightfield) -> Heightfield {
-    node.run(VoidPatchIn { terrain }, &Job::detached()).unwrap().terrain
+    node.run(VoidPatchIn { terrain, around: None }, &Job::detached()).unwrap().terrain
 }
 
 /// All ways to fill.

@@ -5,7 +5,7 @@ use std::{
     io::{Cursor, Seek, SeekFrom, Write},
     path::PathBuf,
     sync::{
-        Arc, Mutex,
+        Arc, Mutex, PoisonError,
         atomic::{AtomicBool, Ordering},
     },
 };
@@ -29,7 +29,7 @@ impl Host for MemoryHost {
         self.cancelled.load(Ordering::Relaxed)
     }
     fn progress(&self, done: f64) {
-        assert!((0.0..=1.0).contains(&done), "progress of {done}");
+        assert!((0.0..=1.0).contains(&done), "it reports progress of {done}");
     }
     fn warn(&self, _: &str) {}
     fn memory_limit(&self) -> u64 {
@@ -66,7 +66,7 @@ impl Seek for MemoryFile {
 
 impl OutputStream for MemoryFile {
     fn finish(self: Box<Self>) -> Result<()> {
-        self.files.lock().unwrap().insert(self.name, self.bytes.into_inner());
+        self.files.lock().unwrap_or_else(PoisonError::into_inner).insert(self.name, self.bytes.into_inner());
         Ok(())
     }
 }

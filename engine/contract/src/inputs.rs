@@ -1,5 +1,8 @@
 //! Inputs of every type, built on one analytic terrain, and digests of what comes out.
 
+// They are sound by construction.
+#![allow(clippy::unwrap_used)]
+
 use std::sync::Arc;
 
 use glam::DVec2;
@@ -87,7 +90,7 @@ pub(crate) fn value(of: ValueType, terrain: &Heightfield) -> Value {
         ValueType::Integer => Value::Integer(3),
         ValueType::Boolean => Value::Boolean(true),
         ValueType::Text => Value::Text("text".into()),
-        other => panic!("no input is made here of type {other}"),
+        other => unreachable!("every type of wire is made here, but {other} is not"),
     }
 }
 

@@ -1,0 +1,291 @@
+//! The host's side.
+
+use std::{
+    fs::File,
+    io,
+    os::{
+        fd::{AsFd, OwnedFd},
+        unix::net::UnixStream,
+    },
+    path::PathBuf,
+    process::{Child, Stdio},
+    sync::{
+        Mutex, PoisonError,
+        mpsc::{Receiver, RecvTimeoutError, channel},
+    },
+    thread,
+    time::{Duration, Instant},
+};
+
+use orograph_core::{
+    CellSize, Error, InputPath, Job, NodeSpec, ParamKind, ParamValue, RawParams, Result, Slot, Value,
+};
+
+use super::{
+    Limits,
+    message::{Ask, Fault, Hello, Port, Task, Tell, receive, send},
+    shared::{Writer, folder, take},
+};
+use crate::plugin::{host::defect, program::Program, scan::ending};
+
+/// How often a waiting thread looks whether the run was cancelled.
+const LOOK: Duration = Duration::from_millis(10);
+/// How long a node may take to stop by itself once it was cancelled.
+const GRACE: Duration = Duration::from_millis(70);
+
+/// The processes of one plugin: as many as nodes of it run at once.
+pub(in crate::plugin) struct Workers {
+    library: PathBuf,
+    program: Program,
+    limits: Limits,
+    idle: Mutex<Vec<Worker>>,
+}
+
+impl Workers {
+    pub(in crate::plugin) fn new(library: PathBuf, program: Program, limits: Limits) -> Self {
+        Self { library, program, limits, idle: Mutex::default() }
+    }
+
+    /// Runs a node.
+    pub(in crate::plugin) fn run(
+        &self,
+        (node, spec): (u32, &NodeSpec),
+        params: &[ParamValue],
+        slots: &[Slot],
+        job: &Job,
+    ) -> Result<Vec<Value>> {
+        self.with_worker(|worker| {
+            let lost = |error: io::Error| Error::writing("the plugin's inputs", error);
+            let mut writer = Writer::new(&worker.inputs);
+            let mut put = |value: &Value| writer.put(value).map_err(lost);
+            let ports = slots
+                .iter()
+                .map(|slot| {
+                    Ok(match slot {
+                        Slot::Empty => Port::Empty,
+                        Slot::One(value) => Port::One(put(value)?),
+                        Slot::Many(values) => Port::Many(values.iter().map(&mut put).collect::<Result<_>>()?),
+                    })
+                })
+                .collect::<Result<_>>()?;
+            let bytes = writer.end();
+            if worker.inputs.metadata().map_err(lost)?.len() < bytes {
+                worker.inputs.set_len(bytes).map_err(lost)?;
+            }
+            let ask = Ask::Run(Task {
+                node,
+                params: params.to_vec(),
+                ports,
+                bytes,
+                seed: job.seed(),
+                resolution: job.resolution(),
+                value_limit: job.memory_limit(),
+                memory: self.limits.memory,
+                files: files(spec, params, job),
+            });
+            let Tell::Ran(ran) = worker.exchange(&ask, Some(job), &self.limits)? else {
+                return Err(worker.confused());
+            };
+            let spans = ran.map_err(Error::from)?;
+            let values: Vec<_> =
+                spans.into_iter().map(|span| take(&worker.outputs, span, job)).collect::<Result<_>>()?;
+            Ok(values)
+        })
+    }
+
+    pub(in crate::plugin) fn check(&self, node: u32, params: &[ParamValue]) -> Result<()> {
+        self.ask(&Ask::Check { node, params: params.to_vec() }, |tell| match tell {
+            Tell::Checked(checked) => Some(checked.map_err(Error::from)),
+            _ => None,
+        })?
+    }
+
+    pub(in crate::plugin) fn halo(&self, node: u32, params: &[ParamValue], cell: CellSize) -> Result<usize> {
+        self.ask(&Ask::Halo { node, params: params.to_vec(), cell: (cell.x, cell.y) }, |tell| match tell {
+            Tell::Halo(cells) => Some(usize::try_from(cells).unwrap_or(usize::MAX)),
+            _ => None,
+        })
+    }
+
+    pub(in crate::plugin) fn cost(&self, node: u32, params: &[ParamValue]) -> Result<f64> {
+        self.ask(&Ask::Cost { node, params: params.to_vec() }, |tell| match tell {
+            Tell::Cost(cost) => Some(cost),
+            _ => None,
+        })
+    }
+
+    pub(in crate::plugin) fn upgrade(&self, node: u32, from: u32, params: &mut RawParams) -> Result<()> {
+        let ask = Ask::Upgrade { node, from, params: params.0.clone() };
+        let upgraded = self.ask(&ask, |tell| match tell {
+            Tell::Upgraded(upgraded) => Some(upgraded.map_err(Error::from)),
+            _ => None,
+        })?;
+        params.0 = upgraded?;
+        Ok(())
+    }
+
+    fn ask<T>(&self, ask: &Ask, read: impl FnOnce(Tell) -> Option<T>) -> Result<T> {
+        self.with_worker(|worker| {
+            let tell = worker.exchange(ask, None, &self.limits)?;
+            read(tell).ok_or_else(|| worker.confused())
+        })
+    }
+
+    /// Lends an idle worker, or a new one, and takes it back unless it is lost.
+    fn with_worker<T>(&self, act: impl FnOnce(&mut Worker) -> Result<T>) -> Result<T> {
+        let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut worker = match idle {
+            Some(worker) => worker,
+            None => Worker::start(&self.library, &self.program, &self.limits)?,
+        };
+        let result = act(&mut worker);
+        if !worker.lost {
+            self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
+        }
+        result
+    }
+}
+
+/// Where the files lie that the settings name; what cannot be found is told when the node asks for it.
+fn files(spec: &NodeSpec, params: &[ParamValue], job: &Job) -> Vec<(String, Result<PathBuf, Fault>)> {
+    let named = spec.params.iter().zip(params).filter_map(|(param, value)| match value {
+        ParamValue::Text(name) if param.kind == ParamKind::InputPath => Some(name.clone()),
+        _ => None,
+    });
+    named.map(|name| (name.clone(), job.input_path(&InputPath(name)).map_err(Fault::from))).collect()
+}
+
+/// A process that holds the plugin.
+struct Worker {
+    child: Child,
+    line: UnixStream,
+    tells: Receiver<Tell>,
+    inputs: File,
+    outputs: File,
+    /// Not to be used again.
+    lost: bool,
+}
+
+impl Drop for Worker {
+    fn drop(&mut self) {
+        // It may be gone already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+impl Worker {
+    fn start(library: &std::path::Path, program: &Program, limits: &Limits) -> Result<Self> {
+        let failed = |error: io::Error| {
+            Error::invalid(
+                format!("no process could be started for the plugin: {error}"),
+                "check the system's limits on processes and open files",
+            )
+        };
+        let mut worker = Self::spawn(library, program).map_err(failed)?;
+        // The files' names are gone once both sides hold them: nothing of them outlives the two processes.
+        let folder = tempfile::tempdir_in(folder()).map_err(failed)?;
+        let (inputs, outputs) = (folder.path().join("inputs"), folder.path().join("outputs"));
+        let open = |path| File::options().read(true).write(true).create_new(true).open(path);
+        worker.inputs = open(&inputs).map_err(failed)?;
+        worker.outputs = open(&outputs).map_err(failed)?;
+        let threads = rayon::current_num_threads();
+        let hello = Hello { library: library.to_owned(), inputs, outputs, threads };
+        send(&mut worker.line, &hello).map_err(failed)?;
+        match worker.wait(None, limits)? {
+            Tell::Ready => Ok(worker),
+            Tell::Unloadable(reason) => Err(defect(reason)),
+            _ => Err(worker.confused()),
+        }
+    }
+
+    fn spawn(library: &std::path::Path, program: &Program) -> io::Result<Self> {
+        let (line, theirs) = UnixStream::pair()?;
+        let mut command = program.command("work");
+        // The name serves who looks at the list of processes. What the plugin prints is no result of the run.
+        command.arg(library).stdin(OwnedFd::from(theirs));
+        command.stdout(Stdio::from(io::stderr().as_fd().try_clone_to_owned()?)).stderr(Stdio::inherit());
+        let child = command.spawn()?;
+        let mut incoming = line.try_clone()?;
+        let (sender, tells) = channel();
+        thread::spawn(move || {
+            while let Ok(tell) = receive(&mut incoming) {
+                if sender.send(tell).is_err() {
+                    break;
+                }
+            }
+        });
+        let nothing = || tempfile::tempfile();
+        Ok(Self { child, line, tells, inputs: nothing()?, outputs: nothing()?, lost: false })
+    }
+
+    fn exchange(&mut self, ask: &Ask, job: Option<&Job>, limits: &Limits) -> Result<Tell> {
+        if send(&mut self.line, ask).is_err() {
+            return Err(self.ended(limits));
+        }
+        self.wait(job, limits)
+    }
+
+    /// The worker's answer, while it may take its time, be cancelled, or end.
+    fn wait(&mut self, job: Option<&Job>, limits: &Limits) -> Result<Tell> {
+        let mut heard = Instant::now();
+        let mut cancelled = None;
+        loop {
+            match self.tells.recv_timeout(LOOK) {
+                Ok(Tell::Alive) => heard = Instant::now(),
+                Ok(Tell::Progress(done)) => {
+                    heard = Instant::now();
+                    job.inspect(|job| job.progress(done));
+                }
+                Ok(Tell::Warn(message)) => {
+                    job.inspect(|job| job.warn(message));
+                }
+                Ok(Tell::Note(message)) => {
+                    job.inspect(|job| job.note(message));
+                }
+                Ok(tell) => return Ok(tell),
+                Err(RecvTimeoutError::Disconnected) => return Err(self.ended(limits)),
+                Err(RecvTimeoutError::Timeout) => {}
+            }
+            if job.is_some_and(|job| job.check().is_err()) {
+                let since = *cancelled.get_or_insert_with(|| {
+                    // If the line is broken, the next look tells.
+                    let _ = send(&mut self.line, &Ask::Cancel);
+                    Instant::now()
+                });
+                if since.elapsed() > GRACE {
+                    self.lost = true;
+                    return Err(Error::Cancelled);
+                }
+            }
+            if heard.elapsed() > limits.silence {
+                self.lost = true;
+                return Err(Error::Crashed {
+                    how: format!("it was not heard of for {} s and was stopped", limits.silence.as_secs()),
+                    hint: "it hangs, or never asks whether to stop: report it to its author, or raise `--isolate-silence`"
+                        .into(),
+                });
+            }
+        }
+    }
+
+    fn ended(&mut self, limits: &Limits) -> Error {
+        self.lost = true;
+        let how = match self.child.wait() {
+            Ok(status) => ending(status),
+            Err(error) => error.to_string(),
+        };
+        let limit = limits.memory;
+        Error::Crashed {
+            how,
+            hint: format!(
+                "report it to the plugin's author; it may take {limit} bytes beyond its inputs, which `--isolate-memory` raises"
+            ),
+        }
+    }
+
+    fn confused(&mut self) -> Error {
+        self.lost = true;
+        defect("the plugin's process answered what it was not asked")
+    }
+}

@@ -1,0 +1,110 @@
+//! Where plugins lie, and what the user has settled about them.
+
+use std::{
+    fs,
+    path::{Path, PathBuf},
+    time::Duration,
+};
+
+use etcetera::BaseStrategy;
+use orograph_engine::{
+    Registry,
+    plugin::{Found, Limits, Plugins, Program},
+};
+use serde::Deserialize;
+
+use crate::{arguments::PluginOptions, console, failure::Failure, session};
+
+/// The user's settings, `settings.ron` in the folder of their configuration.
+#[derive(Debug, Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    /// Names of plugins that run in processes of their own.
+    #[serde(default)]
+    isolate: Vec<String>,
+}
+
+/// Registers the plugins of every folder there is.
+pub(crate) fn register(
+    options: &PluginOptions,
+    cache: Option<&Path>,
+    again: bool,
+    registry: &mut Registry,
+) -> Result<Vec<Found>, Failure> {
+    let libraries = libraries(options)?;
+    if libraries.is_empty() {
+        return Ok(Vec::new());
+    }
+    let settings = settings()?;
+    let apart = |name: &str| options.isolate || settings.isolate.iter().any(|isolated| isolated == name);
+    let plugins = plugins(options, cache)?.scanning_again(again);
+    Ok(plugins.register(&libraries, registry, &apart))
+}
+
+/// The plugins of this program, with a place to remember them.
+pub(crate) fn plugins(options: &PluginOptions, cache: Option<&Path>) -> Result<Plugins, Failure> {
+    let said = cache.map(Path::to_owned).or_else(|| std::env::var_os("OROGRAPH_CACHE").map(PathBuf::from));
+    let cache = session::cache_folder(said.as_deref());
+    let plugins = Plugins::new(cache.as_deref(), program()?)
+        .map_err(|error| Failure::Other(format!("no folder to keep plugins in: {error}")))?;
+    let silence = Duration::from_secs(options.isolate_silence);
+    Ok(plugins.with_limits(Limits { silence, memory: options.isolate_memory }))
+}
+
+fn program() -> Result<Program, Failure> {
+    let executable = std::env::current_exe()
+        .map_err(|error| Failure::Other(format!("this program cannot find itself: {error}")))?;
+    Ok(Program { executable, arguments: vec!["plugin-host".into()] })
+}
+
+/// The libraries in the folders: those of the command line, of `OROGRAPH_PLUGINS`, and the user's own.
+fn libraries(options: &PluginOptions) -> Result<Vec<PathBuf>, Failure> {
+    let mut libraries = Vec::new();
+    for folder in &options.plugins {
+        let found = Plugins::in_folder(folder).map_err(|error| {
+            Failure::usage(
+                format!("reading the plugins in {}: {error}", folder.display()),
+                "give the folder that the plugins' libraries lie in",
+            )
+        })?;
+        libraries.extend(found);
+    }
+    if let Some(folders) = std::env::var_os("OROGRAPH_PLUGINS") {
+        for folder in std::env::split_paths(&folders).filter(|folder| !folder.as_os_str().is_empty()) {
+            match Plugins::in_folder(&folder) {
+                Ok(found) => libraries.extend(found),
+                Err(error) => {
+                    console::note(&format!("warning: OROGRAPH_PLUGINS: {}: {error}", folder.display()));
+                }
+            }
+        }
+    }
+    if let Some(folder) = own_folder() {
+        // Most users have none.
+        libraries.extend(Plugins::in_folder(&folder).unwrap_or_default());
+    }
+    let mut seen = Vec::new();
+    libraries.retain(|path| {
+        let place = fs::canonicalize(path).unwrap_or_else(|_| path.clone());
+        let new = !seen.contains(&place);
+        seen.push(place);
+        new
+    });
+    Ok(libraries)
+}
+
+/// The user's own folder of plugins.
+pub(crate) fn own_folder() -> Option<PathBuf> {
+    Some(etcetera::choose_base_strategy().ok()?.data_dir().join("orograph").join("plugins"))
+}
+
+fn settings() -> Result<Settings, Failure> {
+    let Ok(base) = etcetera::choose_base_strategy() else { return Ok(Settings::default()) };
+    let file = base.config_dir().join("orograph").join("settings.ron");
+    let Ok(text) = fs::read_to_string(&file) else { return Ok(Settings::default()) };
+    ron::from_str(&text).map_err(|error| {
+        // The error begins with its line and column.
+        let message = format!("{}:{error}", file.display());
+        Failure::usage(message, "write settings such as (isolate: [\"Name of a plugin\"])")
+    })
+}
