@@ -42,8 +42,8 @@ pub(crate) struct Lattice {
     offsets: [isize; 8],
     /// Metres to the neighbours.
     pub(crate) distances: [f32; 8],
-    /// Metres from one column and from one row to the next.
-    pub(crate) cell: CellSize,
+    /// The inverse of these.
+    pub(crate) nearness: [f64; 8],
     /// Square metres of a cell.
     pub(crate) area: f64,
     places: Vec<Place>,
@@ -63,7 +63,7 @@ impl Lattice {
         }
         if grid.len() >= OUT as usize {
             let what = format!("erosion of {rows} × {cols} cells");
-            return Err(Error::TooLarge { what, bytes: grid.len() as u64 * 64, limit: u64::from(OUT) * 64 });
+            return Err(Error::TooLarge { what, bytes: grid.len() as u64 * 76, limit: u64::from(OUT) * 76 });
         }
         let mut lattice = Self {
             cols,
@@ -73,11 +73,12 @@ impl Lattice {
                 let (x, y) = (col as f64 * grid.cell.x, row as f64 * grid.cell.y);
                 (x * x + y * y).sqrt() as f32
             }),
-            cell: grid.cell,
+            nearness: [0.0; 8],
             area: grid.cell.x * grid.cell.y,
             places: vec![Place::Void; grid.len()],
             beyond: Vec::new(),
         };
+        lattice.nearness = lattice.distances.map(|distance| 1.0 / f64::from(distance));
         let heights = terrain.cells();
         let known = |row: isize, col: isize| {
             let inside = (0..rows as isize).contains(&row) && (0..cols as isize).contains(&col);
@@ -148,6 +149,12 @@ impl Lattice {
                 }
             }
         }
+    }
+
+    /// The cell in that direction, which must be there.
+    #[inline(always)]
+    pub(crate) fn towards(&self, cell: usize, direction: usize) -> usize {
+        cell.wrapping_add_signed(self.offsets[direction])
     }
 
     /// Where water leaves from `cell`, if that is at the edge.

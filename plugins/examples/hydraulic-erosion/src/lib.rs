@@ -45,7 +45,7 @@ pub struct Hydraulic {
     #[param(default = 50, range = 1.0..=89.0, slider = 20.0..=70.0, unit = "deg")]
     pub steepest: f64,
     /// Steps that the years are cut into. More of them let streams move more often; the time taken grows alike.
-    #[param(default = 40, range = 1..=10_000, slider = 10.0..=200.0, unit = "1")]
+    #[param(default = 30, range = 1..=10_000, slider = 10.0..=200.0, unit = "1")]
     pub steps: u32,
 }
 
@@ -90,8 +90,8 @@ impl Node for Hydraulic {
                 grid.match_size("terrain", mask.grid(), name)?;
             }
         }
-        // Heights, sediment, water, ways, order, discharge and loads stand beside each other.
-        job.admit((grid.len() as u64).saturating_mul(64), || {
+        // Heights, sediment, firmness, water, its ways, their order, discharge and loads stand beside each other.
+        job.admit((grid.len() as u64).saturating_mul(76), || {
             format!("erosion of {} × {} cells", grid.rows, grid.cols)
         })?;
         let (erosion, routes) = erode(self, &inputs, job)?;

@@ -19,19 +19,39 @@ const FIRMNESS: u64 = 0x6669_726d;
 ///
 /// The slope is that of the surface, not of eight directions, whose cones would be pyramids: as in fast marching
 /// (Sethian 1996), the lower neighbours along rows and columns give both parts of the gradient.
-struct Slide {
+struct Slide<'a> {
+    ground: &'a Ground,
     slope: f64,
-    side: CellSize,
     row: f64,
     col: f64,
     others: f64,
 }
 
-impl Slide {
-    fn new(slope: f64, side: CellSize) -> Self {
-        Self { slope, side, row: f64::INFINITY, col: f64::INFINITY, others: f64::INFINITY }
+/// What all slides have in common.
+struct Ground {
+    /// Greatest fall per metre.
+    steepest: f64,
+    side: CellSize,
+    /// Inverse squares of the sides, and the inverse of their sum.
+    u: f64,
+    v: f64,
+    both: f64,
+}
+
+impl Ground {
+    fn new(steepest_deg: f64, side: CellSize) -> Self {
+        let (u, v) = (1.0 / (side.x * side.x), 1.0 / (side.y * side.y));
+        Self { steepest: libm::tan(steepest_deg.to_radians()), side, u, v, both: 1.0 / (u + v) }
     }
 
+    /// On ground of this firmness; the mean is 1.
+    fn slide(&self, firmness: f32) -> Slide<'_> {
+        let slope = self.steepest * f64::from(firmness);
+        Slide { ground: self, slope, row: f64::INFINITY, col: f64::INFINITY, others: f64::INFINITY }
+    }
+}
+
+impl Slide<'_> {
     /// Takes note of a lower neighbour.
     fn over(&mut self, base: f64, direction: usize, distance: f64) {
         match direction {
@@ -42,18 +62,15 @@ impl Slide {
     }
 
     fn highest(&self) -> f64 {
-        let (x, y) = (self.side.x, self.side.y);
-        let mut highest = (self.row + self.slope * y).min(self.col + self.slope * x).min(self.others);
-        if self.row.is_finite() && self.col.is_finite() {
-            // ((h - col) / x)² + ((h - row) / y)² = slope², where the surface falls towards both.
-            let apart = self.row - self.col;
-            let (u, v) = (1.0 / (x * x), 1.0 / (y * y));
-            let root = (u + v) * self.slope * self.slope - u * v * apart * apart;
-            if root > 0.0 {
-                let height = self.col + (v * apart + root.sqrt()) / (u + v);
-                if height > self.row.max(self.col) {
-                    highest = highest.min(height);
-                }
+        let Ground { side, u, v, both, .. } = *self.ground;
+        let highest = (self.row + self.slope * side.y).min(self.col + self.slope * side.x).min(self.others);
+        // ((h - col) / x)² + ((h - row) / y)² = slope², where the surface falls towards both.
+        let apart = self.row - self.col;
+        let root = (u + v) * self.slope * self.slope - u * v * apart * apart;
+        if root > 0.0 {
+            let height = self.col + (v * apart + root.sqrt()) * both;
+            if height > self.row.max(self.col) {
+                return highest.min(height);
             }
         }
         highest
@@ -68,10 +85,10 @@ pub(crate) struct Erosion {
     pub(crate) sediment: Vec<f32>,
     /// Cubic metres of sediment that left at the edges.
     pub(crate) lost: f64,
-    grid: Grid,
     settling: f64,
-    /// Greatest fall per metre.
-    steepest: f64,
+    ground: Ground,
+    /// How firm the rock is: what is exactly even from cell to cell breaks off in planes as even.
+    firmness: Vec<f32>,
     /// Metres of rain a year.
     rain: f64,
     /// Cubic metres of sediment that came to each cell in the step before.
@@ -88,11 +105,11 @@ impl Erosion {
         Self {
             sediment: heights.iter().map(|height| if height.is_nan() { f32::NAN } else { 0.0 }).collect(),
             lost: 0.0,
-            grid: terrain.grid().clone(),
             settling,
             rain,
             lakes: Vec::new(),
-            steepest: libm::tan(steepest_deg.to_radians()),
+            ground: Ground::new(steepest_deg, terrain.grid().cell),
+            firmness: firmness(terrain.grid()),
             load: vec![0.0; heights.len()],
             next: heights.clone(),
             heights,
@@ -129,22 +146,21 @@ impl Erosion {
             check_at(step, job)?;
             let cell = cell as usize;
             let here = f64::from(self.heights[cell]);
-            let split = routes.split(lattice, cell);
             let discharge = routes.discharge[cell];
-            if split.still || discharge <= 0.0 {
+            if routes.still(cell) || discharge <= 0.0 {
                 self.next[cell] = self.heights[cell];
                 continue;
             }
             let cutting = strength(cell) * discharge.sqrt();
             let (mut pull, mut target) = (0.0, 0.0);
-            let mut slide = Slide::new(self.steepest * self.firmness(cell), lattice.cell);
-            for k in 0..split.count {
-                let base = f64::from(self.base(lattice, routes, cell, split.to[k]));
-                let weight = cutting * split.share[k] / split.distance[k];
+            let mut slide = self.ground.slide(self.firmness[cell]);
+            routes.each_way(lattice, cell, |direction, to, share| {
+                let (base, distance, nearness) = self.base(lattice, routes, cell, direction, to);
+                let weight = cutting * share * nearness;
                 pull += weight;
                 target += weight * base;
-                slide.over(base, split.direction[k], split.distance[k]);
-            }
+                slide.over(base, direction, distance);
+            });
             // Never more than what comes, so that a trickle under a cliff is not buried in one step.
             let load = self.load[cell];
             let settles = (self.settling * load * self.rain / discharge).min(load / lattice.area);
@@ -154,19 +170,27 @@ impl Erosion {
         Ok(())
     }
 
-    /// How firm the rock is: what is exactly even from cell to cell breaks off in planes as even.
-    fn firmness(&self, cell: usize) -> f64 {
-        let (row, col) = self.grid.base(cell / self.grid.cols, cell % self.grid.cols);
-        1.0 + UNEVEN * signed_unit(key(0, FIRMNESS, row, col))
-    }
-
-    /// The height that water from `cell` falls to at `to`: new ground, a lake, or what lies beyond the edge.
-    fn base(&self, lattice: &Lattice, routes: &Routes, cell: usize, to: u32) -> f32 {
+    /// The height that water from `cell` falls to at `to`, how far away that is, and the inverse of it: new
+    /// ground, a lake, or what lies beyond the edge.
+    #[inline(always)]
+    fn base(
+        &self,
+        lattice: &Lattice,
+        routes: &Routes,
+        cell: usize,
+        direction: usize,
+        to: u32,
+    ) -> (f64, f64, f64) {
         if to == OUT {
-            return lattice.beyond(cell).map_or(self.heights[cell], |beyond| beyond.height);
+            let beyond = lattice.beyond(cell);
+            return beyond.map_or((f64::INFINITY, 1.0, 1.0), |beyond| {
+                let distance = f64::from(beyond.distance);
+                (beyond.height.into(), distance, 1.0 / distance)
+            });
         }
         let to = to as usize;
-        if routes.water[to] > self.heights[to] { routes.water[to] } else { self.next[to] }
+        let ground = if routes.water[to] > self.heights[to] { routes.water[to] } else { self.next[to] };
+        (ground.into(), lattice.distances[direction].into(), lattice.nearness[direction])
     }
 
     /// Downwards: hands on what was cut, and lets no cell keep more than came to it.
@@ -176,9 +200,8 @@ impl Erosion {
         for (step, &cell) in routes.order.iter().enumerate() {
             check_at(step, job)?;
             let cell = cell as usize;
-            let split = routes.split(lattice, cell);
             let mut load = self.load[cell];
-            if !split.still {
+            if !routes.still(cell) {
                 let here = self.heights[cell];
                 let kept = f64::from(self.next[cell] - here).min(load / lattice.area);
                 self.next[cell] = (f64::from(here) + kept) as f32;
@@ -191,13 +214,11 @@ impl Erosion {
                 load -= settles;
                 *lake = if settles > 0.0 { settles / *lake } else { 0.0 };
             }
-            for k in 0..split.count {
-                let part = load * split.share[k];
-                match split.to[k] {
-                    OUT => self.lost += part,
-                    to => self.load[to as usize] += part,
-                }
-            }
+            let Self { load: loads, lost, .. } = self;
+            routes.each_way(lattice, cell, |_, to, share| match to {
+                OUT => *lost += load * share,
+                to => loads[to as usize] += load * share,
+            });
         }
         Ok(())
     }
@@ -225,4 +246,12 @@ impl Erosion {
             }
         });
     }
+}
+
+fn firmness(grid: &Grid) -> Vec<f32> {
+    let cell = |cell| {
+        let (row, col) = grid.base(cell / grid.cols, cell % grid.cols);
+        (1.0 + UNEVEN * signed_unit(key(0, FIRMNESS, row, col))) as f32
+    };
+    (0..grid.len()).into_par_iter().map(cell).collect()
 }

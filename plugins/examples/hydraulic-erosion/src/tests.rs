@@ -53,12 +53,11 @@ fn all_rain_leaves_at_the_edges_whatever_the_lakes() {
     assert_eq!(routes.order.len(), terrain.cells().len(), "every cell drains");
     let mut out = 0.0;
     for cell in 0..lattice.len() {
-        let split = routes.split(&lattice, cell);
-        for k in 0..split.count {
-            if split.to[k] == lattice::OUT {
-                out += routes.discharge[cell] * split.share[k];
+        routes.each_way(&lattice, cell, |_, to, share| {
+            if to == lattice::OUT {
+                out += routes.discharge[cell] * share;
             }
-        }
+        });
     }
     let rain = lattice.area * lattice.len() as f64;
     assert!((out - rain).abs() < 1e-9 * rain, "{out} of {rain} m³ a year");
