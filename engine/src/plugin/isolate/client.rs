@@ -86,7 +86,7 @@ impl Workers {
             let Tell::Ran(ran) = worker.exchange(&ask, Some(job), &self.limits)? else {
                 return Err(worker.confused());
             };
-            let spans = ran.map_err(Error::from)?;
+            let spans = ran.map_err(Fault::into_error)?;
             let values: Vec<_> =
                 spans.into_iter().map(|span| take(&worker.outputs, span, job)).collect::<Result<_>>()?;
             Ok(values)
@@ -95,7 +95,7 @@ impl Workers {
 
     pub(in crate::plugin) fn check(&self, node: u32, params: &[ParamValue]) -> Result<()> {
         self.ask(&Ask::Check { node, params: params.to_vec() }, |tell| match tell {
-            Tell::Checked(checked) => Some(checked.map_err(Error::from)),
+            Tell::Checked(checked) => Some(checked.map_err(Fault::into_error)),
             _ => None,
         })?
     }
@@ -117,7 +117,7 @@ impl Workers {
     pub(in crate::plugin) fn upgrade(&self, node: u32, from: u32, params: &mut RawParams) -> Result<()> {
         let ask = Ask::Upgrade { node, from, params: params.0.clone() };
         let upgraded = self.ask(&ask, |tell| match tell {
-            Tell::Upgraded(upgraded) => Some(upgraded.map_err(Error::from)),
+            Tell::Upgraded(upgraded) => Some(upgraded.map_err(Fault::into_error)),
             _ => None,
         })?;
         params.0 = upgraded?;

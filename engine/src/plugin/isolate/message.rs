@@ -107,12 +107,12 @@ impl From<Error> for Fault {
     }
 }
 
-impl From<Fault> for Error {
-    fn from(fault: Fault) -> Self {
-        match fault {
-            Fault::Cancelled => Self::Cancelled,
-            Fault::Panicked(message) => Self::Panicked { message },
-            Fault::Other { message, hint } => Self::Invalid { message, hint },
+impl Fault {
+    pub(super) fn into_error(self) -> Error {
+        match self {
+            Self::Cancelled => Error::Cancelled,
+            Self::Panicked(message) => Error::Panicked { message },
+            Self::Other { message, hint } => Error::Invalid { message, hint },
         }
     }
 }
