@@ -21,7 +21,8 @@ fn build(place: &Place, source: &str, name: &str, flags: &[&str]) -> PathBuf {
     // What links Rust programs compiles C.
     let mut compiler = Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
     compiler.args(["-std=gnu11", "-shared", "-fPIC", "-O1", "-pthread", "-o"]).arg(&library);
-    compiler.arg("-I").arg(root.join("plugins")).arg(root.join("tests/plugins").join(source)).args(flags);
+    // Folders that `flags` name are looked through first.
+    compiler.args(flags).arg("-I").arg(root.join("plugins")).arg(root.join("tests/plugins").join(source));
     let built = compiler.output().unwrap();
     assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
     library
@@ -393,4 +394,16 @@ fn a_watching_run_takes_up_rebuilt_plugins_and_changed_graphs() {
     place.write("g.ron", graph(16));
     watching.expect(&["0 computed", "watching"]);
     watching.end();
+}
+
+#[test]
+fn a_plugin_built_against_the_header_of_1_0_loads() {
+    let place = Place::nodes(r#""n": (node: "sound.node", version: 1),"#);
+    let frozen = Path::new(env!("CARGO_MANIFEST_DIR")).join("plugins/abi/frozen/orograph_plugin_1_0.h");
+    std::fs::create_dir(place.path("include")).unwrap();
+    std::fs::copy(frozen, place.path("include/orograph_plugin.h")).unwrap();
+    // Found before the header of today, which is looked for in the folders named after it.
+    let include = format!("-I{}", place.path("include").display());
+    build(&place, "unsound.c", "frozen", &[&include, "-DCASE=0", "-DANSWER=42"]);
+    place.ok("run g.ron n.number --plugins plugins").gives(&["42"]);
 }
