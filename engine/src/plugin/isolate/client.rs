@@ -7,7 +7,7 @@ use std::{
         fd::{AsFd, OwnedFd},
         unix::net::UnixStream,
     },
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::{Child, Stdio},
     sync::{
         Mutex, PoisonError,
@@ -24,7 +24,7 @@ use orograph_core::{
 use super::{
     Limits,
     message::{Ask, Fault, Hello, Port, Task, Tell, receive, send},
-    shared::{Writer, folder, take},
+    shared::{SharedFile, Writer, take},
 };
 use crate::plugin::{host::defect, program::Program, scan::ending};
 
@@ -175,20 +175,18 @@ impl Drop for Worker {
 }
 
 impl Worker {
-    fn start(library: &std::path::Path, program: &Program, limits: &Limits) -> Result<Self> {
+    fn start(library: &Path, program: &Program, limits: &Limits) -> Result<Self> {
         let failed = |error: io::Error| {
             Error::invalid(
                 format!("no process could be started for the plugin: {error}"),
                 "check the system's limits on processes and open files",
             )
         };
-        let mut worker = Self::spawn(library, program).map_err(failed)?;
-        // The files' names are gone once both sides hold them: nothing of them outlives the two processes.
-        let folder = tempfile::tempdir_in(folder()).map_err(failed)?;
-        let (inputs, outputs) = (folder.path().join("inputs"), folder.path().join("outputs"));
-        let open = |path| File::options().read(true).write(true).create_new(true).open(path);
-        worker.inputs = open(&inputs).map_err(failed)?;
-        worker.outputs = open(&outputs).map_err(failed)?;
+        let shared = || SharedFile::new().map_err(failed);
+        let (inputs, outputs) = (shared()?, shared()?);
+        let (line, child, tells) = spawn(library, program).map_err(failed)?;
+        let mut worker = Self { child, line, tells, inputs: inputs.file, outputs: outputs.file, lost: false };
+        let (inputs, outputs) = (inputs.path, outputs.path);
         let threads = rayon::current_num_threads();
         let hello = Hello { library: library.to_owned(), inputs, outputs, threads };
         send(&mut worker.line, &hello).map_err(failed)?;
@@ -197,26 +195,6 @@ impl Worker {
             Tell::Unloadable(reason) => Err(defect(reason)),
             _ => Err(worker.confused()),
         }
-    }
-
-    fn spawn(library: &std::path::Path, program: &Program) -> io::Result<Self> {
-        let (line, theirs) = UnixStream::pair()?;
-        let mut command = program.command("work");
-        // The name serves who looks at the list of processes. What the plugin prints is no result of the run.
-        command.arg(library).stdin(OwnedFd::from(theirs));
-        command.stdout(Stdio::from(io::stderr().as_fd().try_clone_to_owned()?)).stderr(Stdio::inherit());
-        let child = command.spawn()?;
-        let mut incoming = line.try_clone()?;
-        let (sender, tells) = channel();
-        thread::spawn(move || {
-            while let Ok(tell) = receive(&mut incoming) {
-                if sender.send(tell).is_err() {
-                    break;
-                }
-            }
-        });
-        let nothing = || tempfile::tempfile();
-        Ok(Self { child, line, tells, inputs: nothing()?, outputs: nothing()?, lost: false })
     }
 
     fn exchange(&mut self, ask: &Ask, job: Option<&Job>, limits: &Limits) -> Result<Tell> {
@@ -288,4 +266,24 @@ impl Worker {
         self.lost = true;
         defect("the plugin's process answered what it was not asked")
     }
+}
+
+/// Starts a process that waits for a [`Hello`], and hears it.
+fn spawn(library: &Path, program: &Program) -> io::Result<(UnixStream, Child, Receiver<Tell>)> {
+    let (line, theirs) = UnixStream::pair()?;
+    let mut command = program.command("work");
+    // The name serves who looks at the list of processes. What the plugin prints is no result of the run.
+    command.arg(library).stdin(OwnedFd::from(theirs));
+    command.stdout(Stdio::from(io::stderr().as_fd().try_clone_to_owned()?)).stderr(Stdio::inherit());
+    let child = command.spawn()?;
+    let mut incoming = line.try_clone()?;
+    let (sender, tells) = channel();
+    thread::spawn(move || {
+        while let Ok(tell) = receive(&mut incoming) {
+            if sender.send(tell).is_err() {
+                break;
+            }
+        }
+    });
+    Ok((line, child, tells))
 }

@@ -1,6 +1,7 @@
 //! The worker's side.
 
 use std::{
+    collections::BTreeMap,
     fs::{File, OpenOptions},
     io,
     os::{fd::AsFd, unix::net::UnixStream},
@@ -15,7 +16,8 @@ use std::{
     time::Instant,
 };
 
-use memmap2::Mmap;
+use memmap2::MmapOptions;
+use orograph_abi::Cells;
 use orograph_core::{CellSize, Context, Error, Host, Job, OutputStream, RawParams, Result, Slot, Value};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
@@ -24,7 +26,7 @@ use super::{
     message::{Ask, Fault, Hello, Port, Task, Tell, receive, send},
     shared::{Span, Writer},
 };
-use crate::plugin::library::Library;
+use crate::plugin::{library::Library, live::Keep};
 
 /// Serves a host until it goes away. Its end of the line is standard input.
 pub(in crate::plugin) fn serve() -> io::Result<()> {
@@ -111,36 +113,50 @@ impl Worker {
 
     fn run(&self, task: &Task) -> Result<Vec<Span>> {
         let unreadable = |error: io::Error| Error::reading("the plugin's inputs", error);
-        limit_memory(task.memory.saturating_add(task.bytes));
+        limit_memory(task.memory);
         let map = if task.bytes == 0 {
             None
         } else {
+            let mut options = MmapOptions::new();
             // SAFETY: the host changes the file between tasks alone, and never makes it shorter.
-            Some(unsafe { Mmap::map(&self.inputs) }.map_err(unreadable)?)
+            let map = unsafe { options.len(task.bytes as usize).populate().map(&self.inputs) };
+            Some(map.map_err(unreadable)?)
         };
-        let values = {
-            let bytes: &[u8] = map.as_deref().unwrap_or(&[]);
-            // SAFETY: a longer lifetime than it has: the values over it are dropped before the map is.
-            let bytes = unsafe { std::mem::transmute::<&[u8], &'static [u8]>(bytes) };
-            let slots = slots(&task.ports, bytes)?;
-            let host = WorkerHost {
-                worker: self,
-                task,
-                told: Mutex::default(),
-                beat: AtomicU64::new(0),
-                started: Instant::now(),
-            };
-            let job = Job::new(&host, Context { seed: task.seed, resolution: task.resolution });
-            self.pool.install(|| self.library.run(task.node, &task.params, &slots, &job))?
+        let bytes: &[u8] = map.as_deref().unwrap_or(&[]);
+        // SAFETY: a longer lifetime than it has: the values over it are dropped before the map is.
+        let bytes = unsafe { std::mem::transmute::<&[u8], &'static [u8]>(bytes) };
+        let slots = slots(&task.ports, bytes)?;
+        let host = WorkerHost {
+            worker: self,
+            task,
+            told: Mutex::default(),
+            beat: AtomicU64::new(0),
+            started: Instant::now(),
         };
+        let job = Job::new(&host, Context { seed: task.seed, resolution: task.resolution });
+        let spans = Spans(Mutex::new((Writer::new(&self.outputs), BTreeMap::new())));
+        let run = || self.library.run_into(task.node, &task.params, &slots, &job, &spans);
+        self.pool.install(run)?;
+        drop(slots);
         drop(map);
-        let mut writer = Writer::new(&self.outputs);
-        let put = |value: &Value| writer.put(value);
-        values
-            .iter()
-            .map(put)
-            .collect::<io::Result<_>>()
-            .map_err(|error| Error::writing("the plugin's outputs", error))
+        let (_, spans) = spans.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(spans.into_values().collect())
+    }
+}
+
+/// Outputs, written where the host reads them while the plugin lends them.
+struct Spans<'a>(Mutex<(Writer<'a>, BTreeMap<usize, Span>)>);
+
+impl Keep for Spans<'_> {
+    fn cells(&self) -> Cells {
+        Cells::Lent
+    }
+    fn keep(&self, port: usize, value: Value) -> Result<()> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (writer, spans) = &mut *kept;
+        let span = writer.put(&value).map_err(|error| Error::writing("the plugin's outputs", error))?;
+        spans.insert(port, span);
+        Ok(())
     }
 }
 
@@ -165,12 +181,16 @@ fn slots(ports: &[Port], bytes: &'static [u8]) -> Result<Vec<Slot>> {
 }
 
 /// Bounds what the process may take from here on. Where the system cannot tell what it has, there is no bound.
+///
+/// What counts is memory that can be written. Bounding addresses would count what threads reserve and never use.
 fn limit_memory(more: u64) {
-    let Some(pages) = std::fs::read_to_string("/proc/self/statm").ok() else { return };
-    let Some(pages) = pages.split(' ').next().and_then(|pages| pages.parse::<u64>().ok()) else { return };
+    let Ok(pages) = std::fs::read_to_string("/proc/self/statm") else { return };
+    let Some(pages) = pages.split_whitespace().nth(5).and_then(|pages| pages.parse::<u64>().ok()) else {
+        return;
+    };
     let has = pages.saturating_mul(rustix::param::page_size() as u64);
-    let maximum = getrlimit(Resource::As).maximum;
-    let _ = setrlimit(Resource::As, Rlimit { current: Some(has.saturating_add(more)), maximum });
+    let maximum = getrlimit(Resource::Data).maximum;
+    let _ = setrlimit(Resource::Data, Rlimit { current: Some(has.saturating_add(more)), maximum });
 }
 
 /// The host of a node, far away.
