@@ -9,6 +9,8 @@ pub(crate) const OUT: u32 = u32::MAX;
 const STEPS: [(isize, isize); 8] = [(-1, -1), (-1, 0), (-1, 1), (0, -1), (0, 1), (1, -1), (1, 0), (1, 1)];
 /// The first of the neighbours that follow in row-major order.
 pub(crate) const FORWARD: usize = 4;
+/// The way out of the known terrain, beside the eight directions.
+pub(crate) const BEYOND: usize = 8;
 
 /// What a cell has around it.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -40,6 +42,8 @@ pub(crate) struct Lattice {
     offsets: [isize; 8],
     /// Metres to the neighbours.
     pub(crate) distances: [f32; 8],
+    /// Metres from one column and from one row to the next.
+    pub(crate) cell: CellSize,
     /// Square metres of a cell.
     pub(crate) area: f64,
     places: Vec<Place>,
@@ -69,6 +73,7 @@ impl Lattice {
                 let (x, y) = (col as f64 * grid.cell.x, row as f64 * grid.cell.y);
                 (x * x + y * y).sqrt() as f32
             }),
+            cell: grid.cell,
             area: grid.cell.x * grid.cell.y,
             places: vec![Place::Void; grid.len()],
             beyond: Vec::new(),

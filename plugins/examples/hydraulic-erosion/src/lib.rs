@@ -39,7 +39,7 @@ pub struct Hydraulic {
     #[param(default = 1000, range = 0.0..=100_000.0, slider = 100.0..=5000.0, unit = "1")]
     pub rain_mm: f64,
     /// How readily sediment settles. 0 carries everything away; above 1 valleys fill and streams spread in fans.
-    #[param(default = 0.7, range = 0.0..=10.0, slider = 0.0..=2.0, unit = "1")]
+    #[param(default = 1, range = 0.0..=10.0, slider = 0.0..=3.0, unit = "1")]
     pub settling: f64,
     /// The steepest slope that dry ground keeps.
     #[param(default = 50, range = 1.0..=89.0, slider = 20.0..=70.0, unit = "deg")]

@@ -12,7 +12,7 @@ use std::collections::VecDeque;
 
 use orograph_plugin::{prelude::*, rayon::prelude::*};
 
-use crate::lattice::{FORWARD, Lattice, OUT};
+use crate::lattice::{BEYOND, FORWARD, Lattice, OUT};
 
 /// Cells between two looks at whether the run was cancelled.
 const PATIENCE: usize = 1 << 14;
@@ -56,6 +56,8 @@ pub(crate) struct Split {
     pub(crate) share: [f64; 9],
     /// Metres to each.
     pub(crate) distance: [f64; 9],
+    /// Direction of each, or [`BEYOND`].
+    pub(crate) direction: [usize; 9],
     /// How many there are.
     pub(crate) count: usize,
     /// The surface is level here: a lake or flat ground.
@@ -357,24 +359,32 @@ impl Routes {
     /// How the water of `cell` divides.
     #[inline(always)]
     pub(crate) fn split(&self, lattice: &Lattice, cell: usize) -> Split {
-        let mut split = Split { to: [OUT; 9], share: [0.0; 9], distance: [1.0; 9], count: 0, still: false };
+        let mut split = Split {
+            to: [OUT; 9],
+            share: [0.0; 9],
+            distance: [1.0; 9],
+            direction: [BEYOND; 9],
+            count: 0,
+            still: false,
+        };
         let here = self.water[cell];
         let mut sum = 0.0;
-        let mut take = |to: u32, height: f32, distance: f32| {
+        let mut take = |to: u32, height: f32, distance: f32, direction: usize| {
             if height < here {
                 let slope = (f64::from(here) - f64::from(height)) / f64::from(distance);
                 split.to[split.count] = to;
                 split.share[split.count] = slope;
                 split.distance[split.count] = f64::from(distance);
+                split.direction[split.count] = direction;
                 split.count += 1;
                 sum += slope;
             }
         };
         lattice.each(cell, |direction, neighbour| {
-            take(neighbour as u32, self.water[neighbour], lattice.distances[direction]);
+            take(neighbour as u32, self.water[neighbour], lattice.distances[direction], direction);
         });
         if let Some(beyond) = lattice.beyond(cell) {
-            take(OUT, beyond.height, beyond.distance);
+            take(OUT, beyond.height, beyond.distance, BEYOND);
         }
         if split.count == 0 {
             let down = self.down[cell];

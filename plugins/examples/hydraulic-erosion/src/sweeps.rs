@@ -1,6 +1,6 @@
 //! One step of erosion: up from the outlets to cut, down from the divides to carry and lay down.
 
-use orograph_plugin::{libm, prelude::*, rayon::prelude::*};
+use orograph_plugin::{key, libm, prelude::*, rayon::prelude::*, signed_unit};
 
 use crate::{
     lattice::{Lattice, OUT},
@@ -10,6 +10,56 @@ use crate::{
 /// The most that one step fills of a lake's depth, so that its floor keeps a shape for water to follow.
 const FULLEST: f64 = 0.9;
 
+/// By which part the slope that ground keeps differs from cell to cell.
+const UNEVEN: f64 = 0.25;
+/// Stream of random numbers.
+const FIRMNESS: u64 = 0x6669_726d;
+
+/// The highest that a cell may stand above its lower neighbours.
+///
+/// The slope is that of the surface, not of eight directions, whose cones would be pyramids: as in fast marching
+/// (Sethian 1996), the lower neighbours along rows and columns give both parts of the gradient.
+struct Slide {
+    slope: f64,
+    side: CellSize,
+    row: f64,
+    col: f64,
+    others: f64,
+}
+
+impl Slide {
+    fn new(slope: f64, side: CellSize) -> Self {
+        Self { slope, side, row: f64::INFINITY, col: f64::INFINITY, others: f64::INFINITY }
+    }
+
+    /// Takes note of a lower neighbour.
+    fn over(&mut self, base: f64, direction: usize, distance: f64) {
+        match direction {
+            1 | 6 => self.row = self.row.min(base),
+            3 | 4 => self.col = self.col.min(base),
+            _ => self.others = self.others.min(base + self.slope * distance),
+        }
+    }
+
+    fn highest(&self) -> f64 {
+        let (x, y) = (self.side.x, self.side.y);
+        let mut highest = (self.row + self.slope * y).min(self.col + self.slope * x).min(self.others);
+        if self.row.is_finite() && self.col.is_finite() {
+            // ((h - col) / x)² + ((h - row) / y)² = slope², where the surface falls towards both.
+            let apart = self.row - self.col;
+            let (u, v) = (1.0 / (x * x), 1.0 / (y * y));
+            let root = (u + v) * self.slope * self.slope - u * v * apart * apart;
+            if root > 0.0 {
+                let height = self.col + (v * apart + root.sqrt()) / (u + v);
+                if height > self.row.max(self.col) {
+                    highest = highest.min(height);
+                }
+            }
+        }
+        highest
+    }
+}
+
 /// Terrain under erosion.
 pub(crate) struct Erosion {
     /// Heights in metres.
@@ -18,6 +68,7 @@ pub(crate) struct Erosion {
     pub(crate) sediment: Vec<f32>,
     /// Cubic metres of sediment that left at the edges.
     pub(crate) lost: f64,
+    grid: Grid,
     settling: f64,
     /// Greatest fall per metre.
     steepest: f64,
@@ -37,6 +88,7 @@ impl Erosion {
         Self {
             sediment: heights.iter().map(|height| if height.is_nan() { f32::NAN } else { 0.0 }).collect(),
             lost: 0.0,
+            grid: terrain.grid().clone(),
             settling,
             rain,
             lakes: Vec::new(),
@@ -84,21 +136,28 @@ impl Erosion {
                 continue;
             }
             let cutting = strength(cell) * discharge.sqrt();
-            let (mut pull, mut target, mut highest) = (0.0, 0.0, f64::INFINITY);
+            let (mut pull, mut target) = (0.0, 0.0);
+            let mut slide = Slide::new(self.steepest * self.firmness(cell), lattice.cell);
             for k in 0..split.count {
                 let base = f64::from(self.base(lattice, routes, cell, split.to[k]));
                 let weight = cutting * split.share[k] / split.distance[k];
                 pull += weight;
                 target += weight * base;
-                highest = highest.min(base + self.steepest * split.distance[k]);
+                slide.over(base, split.direction[k], split.distance[k]);
             }
             // Never more than what comes, so that a trickle under a cliff is not buried in one step.
             let load = self.load[cell];
             let settles = (self.settling * load * self.rain / discharge).min(load / lattice.area);
             let height = (here + settles + target) / (1.0 + pull);
-            self.next[cell] = height.min(highest) as f32;
+            self.next[cell] = height.min(slide.highest()) as f32;
         }
         Ok(())
+    }
+
+    /// How firm the rock is: what is exactly even from cell to cell breaks off in planes as even.
+    fn firmness(&self, cell: usize) -> f64 {
+        let (row, col) = self.grid.base(cell / self.grid.cols, cell % self.grid.cols);
+        1.0 + UNEVEN * signed_unit(key(0, FIRMNESS, row, col))
     }
 
     /// The height that water from `cell` falls to at `to`: new ground, a lake, or what lies beyond the edge.
