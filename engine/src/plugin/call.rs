@@ -8,8 +8,8 @@ use std::{
 };
 
 use orograph_abi::{
-    Cells, Lender, OROGRAPH_CANCELLED, OROGRAPH_FAILED, OROGRAPH_OK, OROGRAPH_PANICKED, OrographJob, OrographReply,
-    OrographText, read_text,
+    Cells, Lender, OROGRAPH_CANCELLED, OROGRAPH_FAILED, OROGRAPH_OK, OROGRAPH_PANICKED, OrographJob,
+    OrographReply, OrographText, read_text,
 };
 use orograph_core::{CellSize, Error, Job, ParamValue, RawParams, Result, Slot, Value};
 
@@ -21,7 +21,13 @@ use super::{
 
 impl Library {
     /// Runs a node: what it gives, in its spec's order.
-    pub(super) fn run(&self, node: u32, params: &[ParamValue], slots: &[Slot], job: &Job) -> Result<Vec<Value>> {
+    pub(super) fn run(
+        &self,
+        node: u32,
+        params: &[ParamValue],
+        slots: &[Slot],
+        job: &Job,
+    ) -> Result<Vec<Value>> {
         let values = Values(Mutex::new(BTreeMap::new()));
         self.run_into(node, params, slots, job, &values)?;
         let values = values.0.into_inner().unwrap_or_else(PoisonError::into_inner);
@@ -76,7 +82,9 @@ impl Library {
                 let message = state.failure.map_or_else(|| "no message".into(), |error| error.to_string());
                 return Err(Error::Panicked { message });
             }
-            other => return Err(defect(format!("the node returned {other}, which ABI 1 has no meaning for"))),
+            other => {
+                return Err(defect(format!("the node returned {other}, which ABI 1 has no meaning for")));
+            }
         }
         match spec.outputs.iter().zip(&state.given).find(|(_, given)| !**given) {
             Some((port, _)) => Err(defect(format!("the node gave no output `{}`", port.name))),

@@ -5,9 +5,9 @@
 use std::ffi::{CStr, c_char, c_void};
 
 use orograph_abi::{
-    Cells, FILES, Malformed, OROGRAPH_ABI_MAJOR, OROGRAPH_ABI_MINOR, OROGRAPH_FAILED, OROGRAPH_LOG_WARNING, OROGRAPH_OK,
-    OrographFiles, OrographHost, OrographScratch, OrographText, OrographThreads, OrographValue, SCRATCH,
-    THREADS, check_cells, read_text, read_value,
+    Cells, FILES, Malformed, OROGRAPH_ABI_MAJOR, OROGRAPH_ABI_MINOR, OROGRAPH_FAILED, OROGRAPH_LOG_WARNING,
+    OROGRAPH_OK, OrographFiles, OrographHost, OrographScratch, OrographText, OrographThreads, OrographValue,
+    SCRATCH, THREADS, check_cells, read_text, read_value,
 };
 use orograph_core::{Error, InputPath};
 use rayon::prelude::*;

@@ -6,8 +6,8 @@ use std::{slice, sync::Arc};
 
 use glam::DVec2;
 use orograph_core::{
-    CellSize, Column, FeatureKind, FeaturePoint, Features, Georef, Grid, Kind, Mesh, ParamValue,
-    Patch, Placement, PointKind, Points, Polyline, Raster, Rgba, Table, Unit, Value,
+    CellSize, Column, FeatureKind, FeaturePoint, Features, Georef, Grid, Kind, Mesh, ParamValue, Patch,
+    Placement, PointKind, Points, Polyline, Raster, Rgba, Table, Unit, Value,
 };
 
 use crate::types::*;
@@ -139,9 +139,7 @@ pub unsafe fn read_value(value: *const OrographValue, cells: Cells) -> Result<Va
     unsafe {
         let OrographValue { kind, data, .. } = item(value, "a value")?;
         let value = match *kind {
-            OROGRAPH_HEIGHTFIELD => {
-                Value::Heightfield(Arc::new(raster(data.raster, cells)?))
-            }
+            OROGRAPH_HEIGHTFIELD => Value::Heightfield(Arc::new(raster(data.raster, cells)?)),
             OROGRAPH_MASK => Value::Mask(Arc::new(raster(data.raster, cells)?)),
             OROGRAPH_TEXTURE => Value::Texture(Arc::new(raster::<Rgba>(data.raster, cells)?)),
             OROGRAPH_FEATURES => Value::Features(Arc::new(features(data.features)?)),

@@ -64,7 +64,8 @@ impl<'a> Writer<'a> {
     pub(super) fn put(&mut self, value: &Value) -> io::Result<Span> {
         let encoded = value.encode();
         let (head, head_len) = (self.end, encoded.head.len() as u64);
-        let payload = (head + head_len).next_multiple_of(BOUNDARY);
+        let end = head + head_len;
+        let payload = if encoded.payload.is_empty() { end } else { end.next_multiple_of(BOUNDARY) };
         self.file.write_all_at(&encoded.head, head)?;
         encoded
             .payload
