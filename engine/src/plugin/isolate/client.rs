@@ -72,7 +72,10 @@ impl Workers {
             if worker.inputs.metadata().map_err(lost)?.len() < bytes {
                 worker.inputs.set_len(bytes).map_err(lost)?;
             }
+            worker.task += 1;
             let ask = Ask::Run(Task {
+                number: worker.task,
+                cancelled: job.check().is_err(),
                 node,
                 params: params.to_vec(),
                 ports,
@@ -162,6 +165,8 @@ struct Worker {
     tells: Receiver<Tell>,
     inputs: File,
     outputs: File,
+    /// The number of the last task that it was given.
+    task: u64,
     /// Not to be used again.
     lost: bool,
 }
@@ -185,7 +190,8 @@ impl Worker {
         let shared = || SharedFile::new().map_err(failed);
         let (inputs, outputs) = (shared()?, shared()?);
         let (line, child, tells) = spawn(library, program).map_err(failed)?;
-        let mut worker = Self { child, line, tells, inputs: inputs.file, outputs: outputs.file, lost: false };
+        let mut worker =
+            Self { child, line, tells, inputs: inputs.file, outputs: outputs.file, task: 0, lost: false };
         let (inputs, outputs) = (inputs.path, outputs.path);
         let threads = rayon::current_num_threads();
         let hello = Hello { library: library.to_owned(), inputs, outputs, threads };
@@ -228,7 +234,7 @@ impl Worker {
             if job.is_some_and(|job| job.check().is_err()) {
                 let since = *cancelled.get_or_insert_with(|| {
                     // If the line is broken, the next look tells.
-                    let _ = send(&mut self.line, &Ask::Cancel);
+                    let _ = send(&mut self.line, &Ask::Cancel { task: self.task });
                     Instant::now()
                 });
                 if since.elapsed() > GRACE {

@@ -42,13 +42,19 @@ pub(super) enum Ask {
         from: u32,
         params: BTreeMap<String, ParamValue>,
     },
-    /// Stop the task at hand.
-    Cancel,
+    /// Stop that task, if it is still under way.
+    Cancel {
+        task: u64,
+    },
 }
 
 /// One run of one node.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Task {
+    /// Its number, from 1.
+    pub(super) number: u64,
+    /// Whether it was cancelled before it began.
+    pub(super) cancelled: bool,
     pub(super) node: u32,
     pub(super) params: Vec<ParamValue>,
     pub(super) ports: Vec<Port>,

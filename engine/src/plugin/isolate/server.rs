@@ -9,7 +9,7 @@ use std::{
     process,
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicBool, AtomicU64, Ordering},
+        atomic::{AtomicU64, Ordering},
         mpsc::{Receiver, channel},
     },
     thread,
@@ -43,7 +43,7 @@ pub(in crate::plugin) fn serve() -> io::Result<()> {
     };
     let pool = ThreadPoolBuilder::new().num_threads(hello.threads).build().map_err(io::Error::other)?;
     say(&tell, &Tell::Ready)?;
-    let cancelled = Arc::new(AtomicBool::new(false));
+    let cancelled = Arc::new(AtomicU64::new(0));
     let asks = listen(incoming, Arc::clone(&cancelled));
     let worker = Worker { library, pool, inputs: files.0, outputs: files.1, tell, cancelled };
     for ask in asks {
@@ -57,13 +57,13 @@ fn say(line: &Mutex<UnixStream>, tell: &Tell) -> io::Result<()> {
 }
 
 /// Hears the host while nodes run: a cancel must not wait, and without a host there is nothing left to do.
-fn listen(mut incoming: UnixStream, cancelled: Arc<AtomicBool>) -> Receiver<Ask> {
+fn listen(mut incoming: UnixStream, cancelled: Arc<AtomicU64>) -> Receiver<Ask> {
     let (sender, receiver) = channel();
     thread::spawn(move || {
         loop {
             let heard = match receive(&mut incoming) {
-                Ok(Ask::Cancel) => {
-                    cancelled.store(true, Ordering::Relaxed);
+                Ok(Ask::Cancel { task }) => {
+                    cancelled.store(task, Ordering::Relaxed);
                     true
                 }
                 Ok(ask) => sender.send(ask).is_ok(),
@@ -83,19 +83,15 @@ struct Worker {
     inputs: File,
     outputs: File,
     tell: Arc<Mutex<UnixStream>>,
-    cancelled: Arc<AtomicBool>,
+    /// The number of the last task that was cancelled.
+    cancelled: Arc<AtomicU64>,
 }
 
 impl Worker {
     fn serve(&self, ask: Ask) -> io::Result<()> {
         let library = &self.library;
         let told = match ask {
-            Ask::Run(task) => {
-                let ran = self.run(&task);
-                // A cancel that comes after this is for no task.
-                self.cancelled.store(false, Ordering::Relaxed);
-                Tell::Ran(ran.map_err(Fault::from))
-            }
+            Ask::Run(task) => Tell::Ran(self.run(&task).map_err(Fault::from)),
             Ask::Check { node, params } => Tell::Checked(library.check(node, &params).map_err(Fault::from)),
             Ask::Halo { node, params, cell: (x, y) } => {
                 Tell::Halo(library.halo(node, &params, CellSize { x, y }) as u64)
@@ -106,7 +102,7 @@ impl Worker {
                 let upgraded = library.upgrade(node, from, &mut params);
                 Tell::Upgraded(upgraded.map(|()| params.0).map_err(Fault::from))
             }
-            Ask::Cancel => return Ok(()),
+            Ask::Cancel { .. } => return Ok(()),
         };
         say(&self.tell, &told)
     }
@@ -216,7 +212,7 @@ impl Host for WorkerHost<'_> {
         if self.beat.swap(second, Ordering::Relaxed) != second {
             self.say(&Tell::Alive);
         }
-        self.worker.cancelled.load(Ordering::Relaxed)
+        self.task.cancelled || self.worker.cancelled.load(Ordering::Relaxed) == self.task.number
     }
     fn progress(&self, done: f64) {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
