@@ -130,6 +130,9 @@ pub(crate) struct RunOptions {
     /// Tell how long every node took
     #[arg(long)]
     pub(crate) timings: bool,
+    /// Run again whenever the graph, a file that it reads or a plugin changes, until Ctrl-C
+    #[arg(long, conflicts_with_all = ["each", "dry_run"])]
+    pub(crate) watch: bool,
 }
 
 #[derive(Args)]

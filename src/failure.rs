@@ -31,6 +31,11 @@ impl Failure {
         Self::Usage { message: message.into(), hint: hint.into() }
     }
 
+    /// Tells the user, whose command goes on.
+    pub(crate) fn tell(self) {
+        self.report();
+    }
+
     /// Tells the user and gives the exit code.
     pub(crate) fn report(self) -> ExitCode {
         match self {

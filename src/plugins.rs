@@ -37,18 +37,19 @@ pub(crate) fn register(
     }
     let settings = settings()?;
     let apart = |name: &str| options.isolate || settings.isolate.iter().any(|isolated| isolated == name);
-    let plugins = plugins(options, cache)?.scanning_again(again);
+    let silence = Duration::from_secs(options.isolate_silence);
+    let limits = Limits { silence, memory: options.isolate_memory };
+    let plugins = plugins(cache, limits)?.scanning_again(again);
     Ok(plugins.register(&libraries, registry, &apart))
 }
 
 /// The plugins of this program, with a place to remember them.
-pub(crate) fn plugins(options: &PluginOptions, cache: Option<&Path>) -> Result<Plugins, Failure> {
+pub(crate) fn plugins(cache: Option<&Path>, limits: Limits) -> Result<Plugins, Failure> {
     let said = cache.map(Path::to_owned).or_else(|| std::env::var_os("OROGRAPH_CACHE").map(PathBuf::from));
     let cache = session::cache_folder(said.as_deref());
     let plugins = Plugins::new(cache.as_deref(), program()?)
         .map_err(|error| Failure::Other(format!("no folder to keep plugins in: {error}")))?;
-    let silence = Duration::from_secs(options.isolate_silence);
-    Ok(plugins.with_limits(Limits { silence, memory: options.isolate_memory }))
+    Ok(plugins.with_limits(limits))
 }
 
 fn program() -> Result<Program, Failure> {
@@ -57,31 +58,33 @@ fn program() -> Result<Program, Failure> {
     Ok(Program { executable, arguments: vec!["plugin-host".into()] })
 }
 
-/// The libraries in the folders: those of the command line, of `OROGRAPH_PLUGINS`, and the user's own.
+/// The folders of plugins: those of the command line, of `OROGRAPH_PLUGINS`, and the user's own.
+pub(crate) fn folders(options: &PluginOptions) -> Vec<PathBuf> {
+    let mut folders = options.plugins.clone();
+    folders.extend(folders_of_environment());
+    folders.extend(own_folder().filter(|folder| folder.is_dir()));
+    folders
+}
+
+fn folders_of_environment() -> Vec<PathBuf> {
+    let folders = std::env::var_os("OROGRAPH_PLUGINS").unwrap_or_default();
+    std::env::split_paths(&folders).filter(|folder| !folder.as_os_str().is_empty()).collect()
+}
+
+/// The libraries in the folders.
 fn libraries(options: &PluginOptions) -> Result<Vec<PathBuf>, Failure> {
     let mut libraries = Vec::new();
-    for folder in &options.plugins {
-        let found = Plugins::in_folder(folder).map_err(|error| {
-            Failure::usage(
-                format!("reading the plugins in {}: {error}", folder.display()),
-                "give the folder that the plugins' libraries lie in",
-            )
-        })?;
-        libraries.extend(found);
-    }
-    if let Some(folders) = std::env::var_os("OROGRAPH_PLUGINS") {
-        for folder in std::env::split_paths(&folders).filter(|folder| !folder.as_os_str().is_empty()) {
-            match Plugins::in_folder(&folder) {
-                Ok(found) => libraries.extend(found),
-                Err(error) => {
-                    console::note(&format!("warning: OROGRAPH_PLUGINS: {}: {error}", folder.display()));
-                }
+    for folder in folders(options) {
+        match Plugins::in_folder(&folder) {
+            Ok(found) => libraries.extend(found),
+            Err(error) if options.plugins.contains(&folder) => {
+                return Err(Failure::usage(
+                    format!("reading the plugins in {}: {error}", folder.display()),
+                    "give the folder that the plugins' libraries lie in",
+                ));
             }
+            Err(error) => console::note(&format!("warning: no plugins of {}: {error}", folder.display())),
         }
-    }
-    if let Some(folder) = own_folder() {
-        // Most users have none.
-        libraries.extend(Plugins::in_folder(&folder).unwrap_or_default());
     }
     let mut seen = Vec::new();
     libraries.retain(|path| {

@@ -38,8 +38,17 @@ pub(crate) fn registry(options: &PluginOptions, cache: Option<&Path>) -> Result<
 
 /// A graph file with its settings applied.
 pub(crate) fn load(settings: &GraphSettings, registry: &Registry) -> Result<Compiled, Failure> {
+    load_noting(settings, registry, &|_| {})
+}
+
+/// As [`load`]; `note` hears of every graph file that is read beside the first.
+pub(crate) fn load_noting(
+    settings: &GraphSettings,
+    registry: &Registry,
+    note: &dyn Fn(&Path),
+) -> Result<Compiled, Failure> {
     let document = Document::load(&settings.graph)?;
-    compile_with(&document, settings, &[], registry)
+    compile_noting(&document, settings, &[], registry, note)
 }
 
 /// A document with the settings of the command line applied, and `more` after them.
@@ -48,6 +57,16 @@ pub(crate) fn compile_with(
     settings: &GraphSettings,
     more: &[(String, String)],
     registry: &Registry,
+) -> Result<Compiled, Failure> {
+    compile_noting(document, settings, more, registry, &|_| {})
+}
+
+fn compile_noting(
+    document: &Document,
+    settings: &GraphSettings,
+    more: &[(String, String)],
+    registry: &Registry,
+    note: &dyn Fn(&Path),
 ) -> Result<Compiled, Failure> {
     let mut overrides = vars(settings.vars.as_deref())?;
     for text in &settings.set {
@@ -62,7 +81,10 @@ pub(crate) fn compile_with(
     let options = CompileOptions {
         base_dir: folder_of(&settings.graph),
         overrides: overrides.into_iter().collect(),
-        loader: &|path| read_file(path),
+        loader: &|path| {
+            note(path);
+            read_file(path)
+        },
     };
     Ok(compile(document, registry, &options)?)
 }

@@ -265,7 +265,10 @@ fn files_below(folder: &Path) -> Result<BTreeMap<PathBuf, Vec<u8>>> {
 
 /// The graphs in a folder and in those in it, by name.
 fn cases(folder: &Path) -> Result<Vec<Case>> {
-    let is_graph = |path: &Path| path.extension().is_some_and(|extension| extension == "ron");
+    // Those in `plugins` need plugins; `plugin_examples.rs` runs them.
+    let is_graph = |path: &Path| {
+        path.extension().is_some_and(|extension| extension == "ron") && !path.starts_with("plugins")
+    };
     let files = files_below(folder)?.into_keys().filter(|path| is_graph(path));
     files.map(|path| Case::load(folder, folder.join(path))).collect()
 }

@@ -1,153 +1,18 @@
-//! Plugins: found, refused with the reason, run here and apart, and never the end of the program.
+//! Plugins: found, refused with the reason, told apart by content, checked.
 
 #![cfg(unix)]
 
 mod support;
 
 use std::{
-    path::{Path, PathBuf},
-    process::Command,
+    path::Path,
     time::{Duration, Instant},
 };
 
-use support::{Ended, Place};
-
-/// Builds a C plugin into the folder `plugins` of a place.
-fn build(place: &Place, source: &str, name: &str, flags: &[&str]) -> PathBuf {
-    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
-    let folder = place.path("plugins");
-    std::fs::create_dir_all(&folder).unwrap();
-    let library = folder.join(name).with_extension(std::env::consts::DLL_EXTENSION);
-    // What links Rust programs compiles C.
-    let mut compiler = Command::new(std::env::var_os("CC").unwrap_or_else(|| "cc".into()));
-    compiler.args(["-std=gnu11", "-shared", "-fPIC", "-O1", "-pthread", "-o"]).arg(&library);
-    compiler.arg("-I").arg(root.join("plugins")).arg(root.join("tests/plugins").join(source)).args(flags);
-    let built = compiler.output().unwrap();
-    assert!(built.status.success(), "{}", String::from_utf8_lossy(&built.stderr));
-    library
-}
-
-fn unsound(place: &Place, case: &str, flags: &[&str]) -> PathBuf {
-    let case_flag = format!("-DCASE={case}");
-    let mut all = vec![case_flag.as_str()];
-    if !flags.iter().any(|flag| flag.starts_with("-DANSWER")) {
-        all.push("-DANSWER=42");
-    }
-    all.extend_from_slice(flags);
-    build(place, "unsound.c", &case.to_lowercase(), &all)
-}
-
-/// A graph that sends noise through the hostile node, and beside it through a node that is not.
-const HOSTILE: &str = r#"
-    "hills": (node: "generate.fbm", version: 1, params: (cells: 32)),
-    "bad": (node: "hostile.node", version: 1, params: (how: "well"), inputs: {"terrain": "hills.terrain"}),
-    "good": (node: "measure.statistics", version: 1, inputs: {"terrain": "hills.terrain"}),
-    "after": (node: "measure.statistics", version: 1, inputs: {"terrain": "bad.terrain"}),
-"#;
-
-fn hostile() -> Place {
-    let place = Place::nodes(HOSTILE);
-    build(&place, "hostile.c", "hostile", &[]);
-    place
-}
-
-fn behave(place: &Place, how: &str, more: &str) -> Ended {
-    let mut command = place.command("run g.ron good.metrics after.metrics bad.mask --plugins plugins");
-    command.args(more.split_whitespace()).arg("--set").arg(format!("bad.how=\"{how}\""));
-    Ended::new(how, command.output().unwrap())
-}
-
-#[test]
-fn what_a_plugin_does_wrong_is_its_node_s_error() {
-    let place = hostile();
-    for isolate in ["", "--isolate"] {
-        for how in ["well", "late", "other thread", "prints", "leak"] {
-            if how != "other thread" {
-                let ended = behave(&place, how, isolate).code(0);
-                assert!(!ended.out.contains("the plugin prints") || isolate.is_empty(), "{ended:?}");
-            }
-        }
-        for (how, said) in [
-            ("fail", "the mountain is closed"),
-            ("fail silently", "did not say why"),
-            ("cancelled", "it was not"),
-            ("status", "returned 77"),
-            ("never", "gave no output `terrain`"),
-            ("twice", "its output `terrain` twice"),
-            ("null host calls", "null pointer"),
-            ("null raster", "null pointer"),
-            ("null cells", "null pointer"),
-            ("null grid", "null pointer"),
-            ("small struct", "4 bytes"),
-            ("huge grid", "a grid of"),
-            ("nan cell", "has no area"),
-            ("nan mask", "outside 0 to 1"),
-            ("infinite", "infinite"),
-            ("wrong port", "gave output 9"),
-            ("wrong type", "output `terrain` is a Mask, but the spec says Heightfield"),
-            ("unknown type", "1234"),
-            ("other thread", "output `mask`"),
-        ] {
-            let ended = behave(&place, how, isolate).code(1).tells(&["node `bad` (hostile.node)", said]);
-            ended.gives(&["good.metrics:"]);
-        }
-        let mut panics = place.command("run g.ron bad.mask --plugins plugins --set bad.how=\"panic\"");
-        let panics = panics.args(isolate.split_whitespace()).output().unwrap();
-        assert_eq!(panics.status.code(), Some(1));
-        assert!(String::from_utf8_lossy(&panics.stderr).contains("the node panicked"));
-        behave(&place, "fail", isolate).tells(&["hint: come back in summer"]);
-    }
-}
-
-#[test]
-fn a_process_of_its_own_takes_the_worst() {
-    let place = hostile();
-    for (how, more, said) in [
-        ("abort", "", "SIGABRT"),
-        ("segfault", "", "SIGSEGV"),
-        ("exit", "", "exit code 0"),
-        ("hog", "--isolate-memory 256MiB", "the plugin's process ended"),
-        ("loop", "--isolate-silence 1", "it was not heard of for 1 s"),
-    ] {
-        let ended = behave(&place, how, &format!("--isolate {more}")).code(1);
-        ended.tells(&["node `bad` (hostile.node)", said]).gives(&["good.metrics:"]);
-    }
-    // The library was never loaded into the program itself: it would have ended with it.
-    behave(&place, "well", "--isolate").code(0);
-}
-
-/// Interrupts a run that will not end, and tells how long that took.
-fn interrupted(place: &Place, how: &str) -> Duration {
-    let mut command = place.command("run g.ron after.metrics --plugins plugins --isolate --cache none");
-    command.arg("--set").arg(format!("bad.how=\"{how}\""));
-    let mut child = command.spawn().unwrap();
-    std::thread::sleep(Duration::from_millis(700));
-    let asked = Instant::now();
-    let killed = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
-    assert!(killed.success());
-    assert_eq!(child.wait().unwrap().code(), Some(3));
-    asked.elapsed()
-}
-
-#[test]
-fn a_run_apart_is_cancelled_whether_the_plugin_listens_or_not() {
-    let place = hostile();
-    for how in ["polite loop", "stubborn loop", "loop"] {
-        let took = interrupted(&place, how);
-        // The bar is 100 ms; a busy machine is given more, and a run that waits for the plugin never ends.
-        assert!(took < Duration::from_secs(5), "{how}: {took:?}");
-    }
-}
-
-#[test]
-fn here_and_apart_give_the_same_bytes() {
-    let place = hostile();
-    let line = "run g.ron bad.terrain bad.mask --plugins plugins --cache none";
-    place.ok(&format!("{line} --out here"));
-    place.ok(&format!("{line} --out apart --isolate"));
-    assert_eq!(place.files("here"), place.files("apart"));
-    assert_eq!(place.files("here").len(), 2);
-}
+use support::{
+    Ended, Place,
+    plugins::{build, unsound},
+};
 
 #[test]
 fn unsound_plugins_are_refused_with_the_reason_and_nothing_else_suffers() {
@@ -302,7 +167,39 @@ fn a_graph_without_its_plugin_says_which() {
         let said = ["there is no node type `sound.node`", "the plugin `Sound` supplies it"];
         place.run(line).code(2).tells(&said);
     }
-    place.ok("graph g.ron --ron").gives(&["plugin: \"Sound\","]);
+    place.ok("graph g.ron --ron").gives(&["plugin: \"Sound\""]);
     unsound(&place, "SOUND", &[]);
+    place.ok("run g.ron n.number --plugins plugins").gives(&["42"]);
+}
+
+#[test]
+fn a_check_tells_what_to_mend() {
+    let place = Place::nodes("");
+    unsound(&place, "SOUND", &[]);
+    let sound = place.ok("plugin check plugins/sound.so");
+    assert!(
+        sound.out.contains("ok   the same bits on 1, 2 and 8 threads") && !sound.out.contains("MEND"),
+        "{sound:?}"
+    );
+    build(&place, "hostile.c", "hostile", &[]);
+    let said = "MEND cancelling: cancelled, it completes: ask the host whether to stop";
+    place.run("plugin check plugins/hostile.so").code(1).gives(&[said]).tells(&["1 things to mend"]);
+    build(&place, "hostile.c", "crashing", &["-DHOW=\"segfault\""]);
+    let said = "MEND tiny and void terrain: (0, 0) cells, Whole: the plugin's process ended: SIGSEGV";
+    place.run("plugin check plugins/crashing.so").code(1).gives(&[said]);
+    unsound(&place, "TWINS", &[]);
+    place.run("plugin check plugins/twins.so").code(2).tells(&["two of its nodes are named `twin.node`"]);
+    place.run("plugin check plugins/absent.so").code(2).tells(&["absent.so"]);
+}
+
+#[test]
+fn a_plugin_built_against_the_header_of_1_0_loads() {
+    let place = Place::nodes(r#""n": (node: "sound.node", version: 1),"#);
+    let frozen = Path::new(env!("CARGO_MANIFEST_DIR")).join("plugins/abi/frozen/orograph_plugin_1_0.h");
+    std::fs::create_dir(place.path("include")).unwrap();
+    std::fs::copy(frozen, place.path("include/orograph_plugin.h")).unwrap();
+    // Found before the header of today, which is looked for in the folders named after it.
+    let include = format!("-I{}", place.path("include").display());
+    build(&place, "unsound.c", "frozen", &[&include, "-DCASE=0", "-DANSWER=42"]);
     place.ok("run g.ron n.number --plugins plugins").gives(&["42"]);
 }

@@ -10,3 +10,4 @@ pub(crate) mod nodes;
 pub(crate) mod plugin;
 pub(crate) mod run;
 pub(crate) mod sweep;
+mod watch;

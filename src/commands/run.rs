@@ -9,7 +9,10 @@ use orograph_engine::{
     cache::Tier, eval::Planned,
 };
 
-use super::each::{self, Item};
+use super::{
+    each::{self, Item},
+    watch,
+};
 use crate::{
     arguments::RunOptions,
     console,
@@ -19,6 +22,9 @@ use crate::{
 };
 
 pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
+    if options.watch {
+        return watch::run(options);
+    }
     let registry = session::registry(&options.evaluation.plugins, options.evaluation.cache.as_deref())?;
     let items = each::items(options)?;
     let cancel = session::cancel_on_signal();
@@ -29,7 +35,9 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
         if let Some(file) = file.filter(|_| !options.evaluation.quiet) {
             console::note(&format!("{}:", file.display()));
         }
-        match once(&options, &registry, &mut evaluator, &cancel) {
+        let run = session::load(&options.settings, &registry)
+            .and_then(|compiled| once(compiled, &options, &registry, &mut evaluator, &cancel));
+        match run {
             // The other files may do.
             Err(Failure::Node) if n > 1 => failed += 1,
             other => other?,
@@ -42,13 +50,14 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
     Ok(())
 }
 
-fn once(
+/// Runs a graph once; the evaluator is started when the graph proves sound.
+pub(super) fn once(
+    compiled: Compiled,
     options: &RunOptions,
     registry: &Registry,
     evaluator: &mut Option<Evaluator>,
     cancel: &CancelToken,
 ) -> Result<(), Failure> {
-    let compiled = session::load(&options.settings, registry)?;
     let targets = Targets::choose(compiled, &options.outputs, registry)?;
     if let Some((first, second, file)) = targets.graph.clash(&targets.writers) {
         let name = |id: NodeId| targets.graph.node(id).name.clone();

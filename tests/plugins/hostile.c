@@ -14,6 +14,9 @@
 #define SLEEP(ms) usleep((ms) * 1000)
 #endif
 
+#ifndef HOW
+#define HOW "well"
+#endif
 #ifndef OROGRAPH_EXPORT
 #define OROGRAPH_EXPORT
 #endif
@@ -26,7 +29,7 @@ static const char SPEC[] =
     " inputs: [(name: \"terrain\", doc: \"Terrain.\", value_type: Heightfield)],"
     " outputs: [(name: \"terrain\", doc: \"Terrain.\", value_type: Heightfield),"
     "           (name: \"mask\", doc: \"A mask.\", value_type: Mask)],"
-    " params: [(name: \"how\", doc: \"In which way.\", kind: Text, default: Text(\"well\"))],"
+    " params: [(name: \"how\", doc: \"In which way.\", kind: Text, default: Text(\"" HOW "\"))],"
     " extent: Global)])";
 
 static OrographText describe(void) { return TEXT(SPEC); }

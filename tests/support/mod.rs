@@ -3,6 +3,8 @@
 // Each test file uses its part of this; a helper that fails is a test that fails.
 #![allow(dead_code, clippy::unwrap_used)]
 
+pub(crate) mod plugins;
+
 use std::{
     collections::BTreeMap,
     fs,

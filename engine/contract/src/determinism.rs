@@ -18,7 +18,8 @@ fn outputs(node: &NodeType, slots: &[Slot], context: Context) -> Option<Result<V
         return None;
     }
     let host = MemoryHost::default();
-    let ran = node.instantiate(&defaults(node)).and_then(|instance| instance.run(slots, &Job::new(&host, context)));
+    let ran =
+        node.instantiate(&defaults(node)).and_then(|instance| instance.run(slots, &Job::new(&host, context)));
     Some(ran.map_err(|error| error.to_string()))
 }
 
@@ -26,8 +27,9 @@ fn outputs(node: &NodeType, slots: &[Slot], context: Context) -> Option<Result<V
 const CONTEXT: Context = Context { seed: 5, resolution: Some(48) };
 
 /// Pools of 1, 2 and 8 threads, as many as the system gives.
-static POOLS: LazyLock<Vec<ThreadPool>> =
-    LazyLock::new(|| [1, 2, 8].map(|n| ThreadPoolBuilder::new().num_threads(n).build()).into_iter().flatten().collect());
+static POOLS: LazyLock<Vec<ThreadPool>> = LazyLock::new(|| {
+    [1, 2, 8].map(|n| ThreadPoolBuilder::new().num_threads(n).build()).into_iter().flatten().collect()
+});
 
 /// Equal inputs give equal bits on 1, 2 and 8 threads.
 #[must_use]
@@ -129,6 +131,7 @@ fn with_halo(
     cols: usize,
 ) -> ([usize; 4], [usize; 4]) {
     let (top, left) = (row.saturating_sub(halo), col.saturating_sub(halo));
-    let (bottom, right) = ((row + n_rows).saturating_add(halo).min(rows), (col + n_cols).saturating_add(halo).min(cols));
+    let (bottom, right) =
+        ((row + n_rows).saturating_add(halo).min(rows), (col + n_cols).saturating_add(halo).min(cols));
     ([top, left, bottom - top, right - left], [row - top, col - left, n_rows, n_cols])
 }

@@ -94,6 +94,18 @@ pub(crate) fn value(of: ValueType, terrain: &Heightfield) -> Value {
     }
 }
 
+/// A value of each type, over one small terrain with voids.
+#[must_use]
+pub fn samples() -> Vec<Value> {
+    use ValueType::{
+        Boolean, Features, Heightfield, Integer, Mask, Mesh, Number, Placement, Points, Table, Text, Texture,
+    };
+    let field = terrain(17, 13, Cover::Holes);
+    [Heightfield, Mask, Texture, Features, Points, Placement, Table, Mesh, Number, Integer, Boolean, Text]
+        .map(|of| value(of, &field))
+        .into()
+}
+
 /// Everything connected, optional ports only when `all` is set.
 pub(crate) fn slots(spec: &NodeSpec, terrain: &Heightfield, all: bool) -> Vec<Slot> {
     let slot = |port: &orograph_core::PortSpec| match port.arity {

@@ -10,6 +10,9 @@ mod spec;
 
 use orograph_core::{NodeType, ParamKind, ParamValue};
 
+/// A value of each type, over one small terrain with voids and a georeference.
+pub use inputs::samples;
+
 pub use determinism::{any_number_of_threads, tile_by_tile, undeclared_context};
 pub use robustness::{cancelled_run, limits_of_settings, odd_terrain, ordinary_terrain, writers};
 pub use spec::{docs, keys, names_and_limits, ranges_are_enforced, survives_a_file};

@@ -5,7 +5,7 @@ use std::{
     sync::{PoisonError, atomic::Ordering},
 };
 
-use orograph_core::{Context, Error, Job, NodeType, ParamKind, ParamValue, Result, Value};
+use orograph_core::{Context, Error, Job, NodeType, ParamKind, ParamValue, Value};
 
 use crate::{
     defaults,

@@ -207,7 +207,9 @@ impl Error {
             Self::Io { action: "writing", .. } => "check that you may write there and that the disk has room",
             Self::Io { .. } => "check that the path exists and that you may use it",
             Self::Format { .. } => "export the file again, or choose the reader for its format",
-            Self::Invalid { hint, .. } | Self::Crashed { hint, .. } => return Some(hint.clone()).filter(|hint| !hint.is_empty()),
+            Self::Invalid { hint, .. } | Self::Crashed { hint, .. } => {
+                return Some(hint.clone()).filter(|hint| !hint.is_empty());
+            }
             Self::Panicked { .. } => "this is a defect of the node: please report it with the graph",
         };
         Some(hint.to_owned())

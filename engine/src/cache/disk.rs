@@ -58,10 +58,12 @@ enum Shelf {
     Records,
     Files,
     Runs,
+    /// Copies of plugins and what scans of them learnt; see `plugin::store`.
+    Plugins,
 }
 
 impl Shelf {
-    const ALL: [Self; 4] = [Self::Values, Self::Records, Self::Files, Self::Runs];
+    const ALL: [Self; 5] = [Self::Values, Self::Records, Self::Files, Self::Runs, Self::Plugins];
 
     fn name(self) -> &'static str {
         match self {
@@ -69,8 +71,14 @@ impl Shelf {
             Self::Records => "records",
             Self::Files => "files",
             Self::Runs => "runs",
+            Self::Plugins => "plugins",
         }
     }
+}
+
+/// The folder, below a cache folder, that plugins are kept in.
+pub(crate) fn plugin_shelf(root: &Path) -> PathBuf {
+    root.join(LAYOUT).join(Shelf::Plugins.name())
 }
 
 impl DiskTier {

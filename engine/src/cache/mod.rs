@@ -14,6 +14,7 @@ use std::{
 use orograph_core::{Digest, Value};
 use serde::{Serialize, de::DeserializeOwned};
 
+pub(crate) use disk::plugin_shelf;
 pub use disk::{DiskStat, DiskTier};
 pub(crate) use files::FileDigests;
 use memory::MemoryTier;

@@ -1,17 +1,22 @@
 //! Calls into a plugin that is loaded in this process.
 
-use std::{ffi::c_void, ptr};
+use std::{
+    collections::BTreeMap,
+    ffi::c_void,
+    ptr,
+    sync::{Mutex, PoisonError},
+};
 
 use orograph_abi::{
-    Lender, OROGRAPH_CANCELLED, OROGRAPH_FAILED, OROGRAPH_OK, OROGRAPH_PANICKED, OrographJob, OrographReply,
-    OrographText, read_text,
+    Cells, Lender, OROGRAPH_CANCELLED, OROGRAPH_FAILED, OROGRAPH_OK, OROGRAPH_PANICKED, OrographJob,
+    OrographReply, OrographText, read_text,
 };
 use orograph_core::{CellSize, Error, Job, ParamValue, RawParams, Result, Slot, Value};
 
 use super::{
     host::{HOST, defect},
     library::Library,
-    live,
+    live::{self, Keep, Running},
 };
 
 impl Library {
@@ -23,10 +28,25 @@ impl Library {
         slots: &[Slot],
         job: &Job,
     ) -> Result<Vec<Value>> {
+        let values = Values(Mutex::new(BTreeMap::new()));
+        self.run_into(node, params, slots, job, &values)?;
+        let values = values.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(values.into_values().collect())
+    }
+
+    /// Runs a node, whose outputs go to `keeper`, each once.
+    pub(super) fn run_into(
+        &self,
+        node: u32,
+        params: &[ParamValue],
+        slots: &[Slot],
+        job: &Job,
+        keeper: &dyn Keep,
+    ) -> Result<()> {
         let (Some(run), Some(spec)) = (self.entry.run, self.spec.nodes.get(node as usize)) else {
             return Err(defect("the plugin has no such node"));
         };
-        let entered = live::enter(job, &spec.outputs);
+        let entered = live::enter(Running { job: *job, ports: &spec.outputs, keeper });
         let mut lender = Lender::new();
         let params = lender.params(params);
         let inputs = lender.inputs(slots);
@@ -48,12 +68,12 @@ impl Library {
         let status = unsafe { run(&view) };
         let state = entered.leave();
         match status {
-            OROGRAPH_OK => {}
+            // An output that was refused is a failure, whatever the node makes of it.
+            OROGRAPH_OK => state.failure.map_or(Ok(()), Err)?,
             OROGRAPH_CANCELLED => {
                 job.check()?;
-                return Err(state
-                    .failure
-                    .unwrap_or_else(|| defect("the node says that it was cancelled, but it was not")));
+                let unasked = || defect("the node says that it was cancelled, but it was not");
+                return Err(state.failure.unwrap_or_else(unasked));
             }
             OROGRAPH_FAILED => {
                 return Err(state.failure.unwrap_or_else(|| defect("the node failed and did not say why")));
@@ -66,14 +86,10 @@ impl Library {
                 return Err(defect(format!("the node returned {other}, which ABI 1 has no meaning for")));
             }
         }
-        // An output that was refused is a failure, whatever the node makes of it.
-        if let Some(failure) = state.failure {
-            return Err(failure);
+        match spec.outputs.iter().zip(&state.given).find(|(_, given)| !**given) {
+            Some((port, _)) => Err(defect(format!("the node gave no output `{}`", port.name))),
+            None => Ok(()),
         }
-        let given = state.outputs.into_iter().map(|(port, value)| {
-            value.ok_or_else(|| defect(format!("the node gave no output `{}`", port.name)))
-        });
-        given.collect()
     }
 
     /// Whether settings go together.
@@ -120,6 +136,19 @@ impl Library {
         let lifted = ron::from_str(&answer.text);
         params.0 =
             lifted.map_err(|error| defect(format!("the lifted parameters are no RON map: {error}")))?;
+        Ok(())
+    }
+}
+
+/// Outputs as values, by port.
+struct Values(Mutex<BTreeMap<usize, Value>>);
+
+impl Keep for Values {
+    fn cells(&self) -> Cells {
+        Cells::Copied
+    }
+    fn keep(&self, port: usize, value: Value) -> Result<()> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner).insert(port, value);
         Ok(())
     }
 }

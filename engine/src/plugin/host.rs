@@ -5,14 +5,14 @@
 use std::ffi::{CStr, c_char, c_void};
 
 use orograph_abi::{
-    Cells, FILES, OROGRAPH_ABI_MAJOR, OROGRAPH_ABI_MINOR, OROGRAPH_FAILED, OROGRAPH_LOG_WARNING, OROGRAPH_OK,
-    OrographFiles, OrographHost, OrographScratch, OrographText, OrographThreads, OrographValue, SCRATCH,
-    THREADS, read_text, read_value,
+    Cells, FILES, Malformed, OROGRAPH_ABI_MAJOR, OROGRAPH_ABI_MINOR, OROGRAPH_FAILED, OROGRAPH_LOG_WARNING,
+    OROGRAPH_OK, OrographFiles, OrographHost, OrographScratch, OrographText, OrographThreads, OrographValue,
+    SCRATCH, THREADS, check_cells, read_text, read_value,
 };
 use orograph_core::{Error, InputPath};
 use rayon::prelude::*;
 
-use super::live::{LiveJob, with};
+use super::live::{LiveJob, Running, with};
 
 /// The table that every job points to.
 pub(super) static HOST: OrographHost = OrographHost {
@@ -36,19 +36,21 @@ static FILE_NAMES: OrographFiles =
     OrographFiles { size: size_of::<OrographFiles>() as u32, reserved: 0, input_path };
 
 unsafe extern "C" fn cancelled(id: u64) -> i32 {
-    i32::from(with(id, |_, job| job.check().is_err()).unwrap_or(true))
+    i32::from(with(id, |_, running| running.job.check().is_err()).unwrap_or(true))
 }
 
 unsafe extern "C" fn progress(id: u64, done: f64) {
     if !done.is_nan() {
-        with(id, |_, job| job.progress(done.clamp(0.0, 1.0)));
+        with(id, |_, running| running.job.progress(done.clamp(0.0, 1.0)));
     }
 }
 
 unsafe extern "C" fn log(id: u64, level: i32, message: OrographText) {
     // SAFETY: the text stays until this returns, as the ABI says.
     let message = unsafe { lossy(message) };
-    with(id, |_, job| if level >= OROGRAPH_LOG_WARNING { job.warn(message) } else { job.note(message) });
+    with(id, |_, running| {
+        if level >= OROGRAPH_LOG_WARNING { running.job.warn(message) } else { running.job.note(message) }
+    });
 }
 
 unsafe extern "C" fn fail(id: u64, message: OrographText, hint: OrographText) {
@@ -58,37 +60,43 @@ unsafe extern "C" fn fail(id: u64, message: OrographText, hint: OrographText) {
 }
 
 unsafe extern "C" fn output(id: u64, port: u32, value: *const OrographValue) -> i32 {
-    let given = with(id, |live, _| {
-        let name = {
-            let state = live.state();
-            let Some((spec, given)) = state.outputs.get(port as usize) else {
-                return Err(format!("the node gave output {port}, but has {}", state.outputs.len()));
-            };
-            if given.is_some() {
-                return Err(format!("the node gave its output `{}` twice", spec.name));
-            }
-            spec.name.clone()
-        };
+    let taken = with(id, |live, running| {
         // SAFETY: the view stays until this returns, as the ABI says.
-        let value = unsafe { read_value(value, Cells::Copied) };
-        let value = value.map_err(|malformed| format!("output `{name}`: {}", malformed.0))?;
-        let mut state = live.state();
-        let Some((spec, given)) = state.outputs.get_mut(port as usize) else { return Ok(()) };
-        if value.value_type() != spec.value_type {
-            let (found, wanted) = (value.value_type(), spec.value_type);
-            return Err(format!("output `{name}` is a {found}, but the spec says {wanted}"));
-        }
-        *given = Some(value);
-        Ok(())
+        let taken = unsafe { take(live, running, port as usize, value) };
+        taken.map_err(|error| live.fail(error)).is_ok()
     });
-    match given {
-        Some(Ok(())) => OROGRAPH_OK,
-        Some(Err(message)) => {
-            with(id, |live, _| live.fail(defect(message)));
-            OROGRAPH_FAILED
-        }
-        None => OROGRAPH_FAILED,
+    if taken == Some(true) { OROGRAPH_OK } else { OROGRAPH_FAILED }
+}
+
+/// Checks an output and has it kept.
+///
+/// # Safety
+/// As [`read_value`].
+unsafe fn take(
+    live: &LiveJob,
+    running: &Running<'_>,
+    port: usize,
+    value: *const OrographValue,
+) -> Result<(), Error> {
+    let Some(spec) = running.ports.get(port) else {
+        return Err(defect(format!("the node gave output {port}, but has {}", running.ports.len())));
+    };
+    let name = &spec.name;
+    let malformed = |malformed: Malformed| defect(format!("output `{name}`: {}", malformed.0));
+    let cells = running.keeper.cells();
+    // SAFETY: as the caller vouches; what is lent is gone when the keeper returns.
+    let value = unsafe { read_value(value, cells) }.map_err(malformed)?;
+    if cells == Cells::Lent {
+        check_cells(&value).map_err(malformed)?;
     }
+    if value.value_type() != spec.value_type {
+        let (found, wanted) = (value.value_type(), spec.value_type);
+        return Err(defect(format!("output `{name}` is a {found}, but the spec says {wanted}")));
+    }
+    if std::mem::replace(&mut live.state().given[port], true) {
+        return Err(defect(format!("the node gave its output `{name}` twice")));
+    }
+    running.keeper.keep(port, value)
 }
 
 unsafe extern "C" fn extension(name: *const c_char) -> *const c_void {
@@ -143,7 +151,7 @@ unsafe extern "C" fn parallel_for(
 }
 
 unsafe extern "C" fn allocate(id: u64, bytes: usize) -> *mut c_void {
-    with(id, |live, job| live.allocate(job, bytes)).flatten().unwrap_or(std::ptr::null_mut())
+    with(id, |live, running| live.allocate(&running.job, bytes)).flatten().unwrap_or(std::ptr::null_mut())
 }
 
 unsafe extern "C" fn free(id: u64, memory: *mut c_void) {
@@ -153,7 +161,7 @@ unsafe extern "C" fn free(id: u64, memory: *mut c_void) {
 unsafe extern "C" fn input_path(id: u64, name: OrographText, path: *mut OrographText) -> i32 {
     // SAFETY: the text stays until this returns, as the ABI says.
     let name = unsafe { lossy(name) };
-    let found = with(id, |live, job| match job.input_path(&InputPath(name)) {
+    let found = with(id, |live, running| match running.job.input_path(&InputPath(name)) {
         Ok(found) => match found.into_os_string().into_string() {
             Ok(found) => Some(keep_path(live, found)),
             Err(found) => {

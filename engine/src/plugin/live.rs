@@ -13,23 +13,44 @@ use std::{
     },
 };
 
-use orograph_core::{Error, Job, PortSpec, Value};
+use orograph_abi::Cells;
+use orograph_core::{Error, Job, PortSpec, Result, Value};
 
 static JOBS: RwLock<BTreeMap<u64, Arc<LiveJob>>> = RwLock::new(BTreeMap::new());
 static NEXT: AtomicU64 = AtomicU64::new(1);
 
 /// What the host keeps of a running job.
 pub(super) struct LiveJob {
-    /// The job, while it runs: none once it is over. Its lifetime is longer than it says; see [`enter`].
-    job: RwLock<Option<Job<'static>>>,
+    /// The job, while it runs: none once it is over. Its lifetime is shorter than it says; see [`enter`].
+    job: RwLock<Option<Running<'static>>>,
     state: Mutex<State>,
+}
+
+/// A job and where its outputs go.
+#[derive(Clone, Copy)]
+pub(super) struct Running<'a> {
+    pub(super) job: Job<'a>,
+    /// The output ports.
+    pub(super) ports: &'a [PortSpec],
+    pub(super) keeper: &'a dyn Keep,
+}
+
+/// Keeps the outputs of a job.
+pub(super) trait Keep: Sync {
+    /// What is to become of a raster's cells, which the plugin only lends until [`keep`](Self::keep) returns.
+    fn cells(&self) -> Cells;
+    /// Keeps the value of a port, which is of the right type and comes once.
+    ///
+    /// # Errors
+    /// When there is no room for it.
+    fn keep(&self, port: usize, value: Value) -> Result<()>;
 }
 
 /// What a plugin has said and taken so far.
 #[derive(Default)]
 pub(super) struct State {
-    /// The output ports' names and types, and the values given.
-    pub(super) outputs: Vec<(PortSpec, Option<Value>)>,
+    /// For each output port whether its value was given.
+    pub(super) given: Vec<bool>,
     /// The first thing that went wrong.
     pub(super) failure: Option<Error>,
     scratch: Vec<Scratch>,
@@ -61,14 +82,14 @@ pub(super) struct Entered {
 }
 
 /// Enters a job into the list until what this gives is dropped.
-pub(super) fn enter(job: &Job, outputs: &[PortSpec]) -> Entered {
-    // SAFETY: a longer lifetime than it has. `leave` takes the job out before the true one ends, and waits for the calls
+pub(super) fn enter(running: Running<'_>) -> Entered {
+    let given = vec![false; running.ports.len()];
+    // SAFETY: a longer lifetime than it has. dropping what this gives takes the job out before the true one ends, and waits for the calls
     // that are using it.
-    let job = unsafe { std::mem::transmute::<Job<'_>, Job<'static>>(*job) };
-    let outputs = outputs.iter().map(|port| (port.clone(), None)).collect();
+    let running = unsafe { std::mem::transmute::<Running<'_>, Running<'static>>(running) };
     let live = Arc::new(LiveJob {
-        job: RwLock::new(Some(job)),
-        state: Mutex::new(State { outputs, ..State::default() }),
+        job: RwLock::new(Some(running)),
+        state: Mutex::new(State { given, ..State::default() }),
     });
     let id = NEXT.fetch_add(1, Ordering::Relaxed);
     JOBS.write().unwrap_or_else(PoisonError::into_inner).insert(id, Arc::clone(&live));
@@ -130,7 +151,7 @@ impl LiveJob {
 }
 
 /// Calls `act` with the job of that id, which stays for as long as the call; `None` when it is over.
-pub(super) fn with<T>(id: u64, act: impl FnOnce(&LiveJob, &Job) -> T) -> Option<T> {
+pub(super) fn with<T>(id: u64, act: impl FnOnce(&LiveJob, &Running<'_>) -> T) -> Option<T> {
     let live = Arc::clone(JOBS.read().unwrap_or_else(PoisonError::into_inner).get(&id)?);
     let job = live.job.read().unwrap_or_else(PoisonError::into_inner);
     let job = job.as_ref()?;

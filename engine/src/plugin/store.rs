@@ -14,6 +14,7 @@ use orograph_core::Digest;
 use tempfile::{NamedTempFile, TempDir};
 
 use super::scan::Scan;
+use crate::cache::plugin_shelf;
 
 /// A folder of copies and scans. It may go at any time: everything in it is made again.
 pub(super) struct Store {
@@ -29,7 +30,7 @@ impl Store {
     /// When no folder can be made at all.
     pub(super) fn open(cache: Option<&Path>) -> io::Result<Self> {
         if let Some(cache) = cache {
-            let root = cache.join("v1").join("plugins");
+            let root = plugin_shelf(cache);
             if fs::create_dir_all(&root).is_ok() {
                 return Ok(Self { root, _own: None });
             }
@@ -58,12 +59,13 @@ impl Store {
     /// What cannot be kept is scanned again.
     pub(super) fn put_scan(&self, digest: &Digest, scan: &Scan) {
         if let Ok(text) = ron::to_string(scan) {
-            let _ = write_whole(&self.root, &self.scan_path(digest), text.as_bytes());
+            let path = self.scan_path(digest);
+            let _ = path.parent().map(|folder| write_whole(folder, &path, text.as_bytes()));
         }
     }
 
     fn scan_path(&self, digest: &Digest) -> PathBuf {
-        self.root.join(format!("{digest}-{OROGRAPH_ABI_MAJOR}.{OROGRAPH_ABI_MINOR}.ron"))
+        self.root.join(digest.to_string()).join(format!("scan-{OROGRAPH_ABI_MAJOR}.{OROGRAPH_ABI_MINOR}.ron"))
     }
 }
 

@@ -26,5 +26,5 @@ mod tests;
 pub use calls::*;
 pub use lend::Lender;
 pub use spec::PluginSpec;
-pub use take::{Cells, Malformed, read_param, read_text, read_value};
+pub use take::{Cells, Malformed, check_cells, read_param, read_text, read_value};
 pub use types::*;

@@ -6,8 +6,8 @@ use std::{slice, sync::Arc};
 
 use glam::DVec2;
 use orograph_core::{
-    CellSize, Column, FeatureKind, FeaturePoint, Features, Georef, Grid, Kind, Mesh, Metres, ParamValue,
-    Patch, Placement, PointKind, Points, Polyline, Raster, Rgba, Share, Table, Unit, Value,
+    CellSize, Column, FeatureKind, FeaturePoint, Features, Georef, Grid, Kind, Mesh, ParamValue, Patch,
+    Placement, PointKind, Points, Polyline, Raster, Rgba, Table, Unit, Value,
 };
 
 use crate::types::*;
@@ -28,7 +28,7 @@ pub enum Cells {
     /// They are copied.
     Copied,
     /// They are read where they are: they must stay there for as long as the value and every clone of it lives.
-    /// They are not looked through for contents that no value has: that would cost more than the call.
+    /// They are not looked through for contents that no value has, which [`check_cells`] does.
     Lent,
 }
 
@@ -138,11 +138,9 @@ pub unsafe fn read_value(value: *const OrographValue, cells: Cells) -> Result<Va
     // SAFETY: the kind says which member is set; the caller vouches for what it points to.
     unsafe {
         let OrographValue { kind, data, .. } = item(value, "a value")?;
-        Ok(match *kind {
-            OROGRAPH_HEIGHTFIELD => {
-                Value::Heightfield(Arc::new(heights(raster(data.raster, cells)?, cells)?))
-            }
-            OROGRAPH_MASK => Value::Mask(Arc::new(shares(raster(data.raster, cells)?, cells)?)),
+        let value = match *kind {
+            OROGRAPH_HEIGHTFIELD => Value::Heightfield(Arc::new(raster(data.raster, cells)?)),
+            OROGRAPH_MASK => Value::Mask(Arc::new(raster(data.raster, cells)?)),
             OROGRAPH_TEXTURE => Value::Texture(Arc::new(raster::<Rgba>(data.raster, cells)?)),
             OROGRAPH_FEATURES => Value::Features(Arc::new(features(data.features)?)),
             OROGRAPH_POINTS => Value::Points(Arc::new(points(data.points)?)),
@@ -154,7 +152,11 @@ pub unsafe fn read_value(value: *const OrographValue, cells: Cells) -> Result<Va
             OROGRAPH_BOOLEAN => Value::Boolean(data.boolean != 0),
             OROGRAPH_TEXT => Value::Text(read_text(data.text)?.into()),
             other => return malformed(format!("no kind of value has the number {other}")),
-        })
+        };
+        if cells == Cells::Copied {
+            check_cells(&value)?;
+        }
+        Ok(value)
     }
 }
 
@@ -204,30 +206,36 @@ unsafe fn raster<K: Kind>(view: *const OrographRaster, keep: Cells) -> Result<Ra
     }
 }
 
-fn heights(raster: Raster<Metres>, cells: Cells) -> Result<Raster<Metres>> {
-    if cells == Cells::Lent {
-        return Ok(raster);
-    }
-    match raster.cells().iter().position(|height| height.is_infinite()) {
-        Some(at) => {
-            let (row, col) = (at / raster.cols(), at % raster.cols());
-            malformed(format!("a height is infinite at row {row}, column {col}; a void is NaN"))
-        }
-        None => Ok(raster),
+/// Whether the cells of a raster are such as its type has.
+///
+/// # Errors
+/// [`Malformed`] for an infinite height, or a share outside 0 to 1.
+pub fn check_cells(value: &Value) -> Result<()> {
+    match value {
+        Value::Heightfield(raster) => match first(raster, f32::is_infinite) {
+            Some((row, col, _)) => {
+                malformed(format!("a height is infinite at row {row}, column {col}; a void is NaN"))
+            }
+            None => Ok(()),
+        },
+        Value::Mask(raster) => match first(raster, |share| !(0.0..=1.0).contains(&share)) {
+            Some((row, col, share)) => {
+                malformed(format!("a mask holds {share} at row {row}, column {col}, outside 0 to 1"))
+            }
+            None => Ok(()),
+        },
+        _ => Ok(()),
     }
 }
 
-fn shares(raster: Raster<Share>, cells: Cells) -> Result<Raster<Share>> {
-    if cells == Cells::Lent {
-        return Ok(raster);
-    }
-    match raster.cells().iter().position(|share| !(0.0..=1.0).contains(share)) {
-        Some(at) => {
-            let (row, col, share) = (at / raster.cols(), at % raster.cols(), raster.cells()[at]);
-            malformed(format!("a mask holds {share} at row {row}, column {col}, outside 0 to 1"))
-        }
-        None => Ok(raster),
-    }
+/// The first cell that is `bad`: its row, column and content.
+fn first<K: Kind<Cell = f32>>(raster: &Raster<K>, bad: impl Fn(f32) -> bool) -> Option<(usize, usize, f32)> {
+    // Whole runs are looked at without stopping, which a compiler turns into wide instructions.
+    const RUN: usize = 4096;
+    let any = |run: &[f32]| run.iter().fold(false, |any, &cell| any | bad(cell));
+    let run = raster.cells().chunks(RUN).position(any)?;
+    let at = run * RUN + raster.cells()[run * RUN..].iter().position(|&cell| bad(cell))?;
+    Some((at / raster.cols(), at % raster.cols(), raster.cells()[at]))
 }
 
 unsafe fn features(view: *const OrographFeatures) -> Result<Features> {

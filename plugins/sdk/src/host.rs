@@ -3,8 +3,8 @@
 use std::{ffi::CStr, path::PathBuf, thread};
 
 use orograph_abi::{
-    FILES, OROGRAPH_LOG_WARNING, OROGRAPH_OK, OrographFiles, OrographHost, OrographJob, OrographText,
-    OrographThreads, OrographValue, THREADS,
+    FILES, OROGRAPH_LOG_INFO, OROGRAPH_LOG_WARNING, OROGRAPH_OK, OrographFiles, OrographHost, OrographJob,
+    OrographText, OrographThreads, OrographValue, THREADS,
 };
 use orograph_core::{Error, Host, OutputStream, Result};
 
@@ -76,6 +76,11 @@ impl Host for Caller<'_> {
     fn warn(&self, message: &str) {
         // SAFETY: as above; the host copies the text before it returns.
         unsafe { (self.host.log)(self.job, OROGRAPH_LOG_WARNING, OrographText::of(message)) }
+    }
+
+    fn note(&self, message: &str) {
+        // SAFETY: as above.
+        unsafe { (self.host.log)(self.job, OROGRAPH_LOG_INFO, OrographText::of(message)) }
     }
 
     fn memory_limit(&self) -> u64 {

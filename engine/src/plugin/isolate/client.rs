@@ -7,7 +7,7 @@ use std::{
         fd::{AsFd, OwnedFd},
         unix::net::UnixStream,
     },
-    path::PathBuf,
+    path::{Path, PathBuf},
     process::{Child, Stdio},
     sync::{
         Mutex, PoisonError,
@@ -24,7 +24,7 @@ use orograph_core::{
 use super::{
     Limits,
     message::{Ask, Fault, Hello, Port, Task, Tell, receive, send},
-    shared::{Writer, folder, take},
+    shared::{SharedFile, Writer, take},
 };
 use crate::plugin::{host::defect, program::Program, scan::ending};
 
@@ -72,7 +72,10 @@ impl Workers {
             if worker.inputs.metadata().map_err(lost)?.len() < bytes {
                 worker.inputs.set_len(bytes).map_err(lost)?;
             }
+            worker.task += 1;
             let ask = Ask::Run(Task {
+                number: worker.task,
+                cancelled: job.check().is_err(),
                 node,
                 params: params.to_vec(),
                 ports,
@@ -86,7 +89,7 @@ impl Workers {
             let Tell::Ran(ran) = worker.exchange(&ask, Some(job), &self.limits)? else {
                 return Err(worker.confused());
             };
-            let spans = ran.map_err(Error::from)?;
+            let spans = ran.map_err(Fault::into_error)?;
             let values: Vec<_> =
                 spans.into_iter().map(|span| take(&worker.outputs, span, job)).collect::<Result<_>>()?;
             Ok(values)
@@ -95,7 +98,7 @@ impl Workers {
 
     pub(in crate::plugin) fn check(&self, node: u32, params: &[ParamValue]) -> Result<()> {
         self.ask(&Ask::Check { node, params: params.to_vec() }, |tell| match tell {
-            Tell::Checked(checked) => Some(checked.map_err(Error::from)),
+            Tell::Checked(checked) => Some(checked.map_err(Fault::into_error)),
             _ => None,
         })?
     }
@@ -117,7 +120,7 @@ impl Workers {
     pub(in crate::plugin) fn upgrade(&self, node: u32, from: u32, params: &mut RawParams) -> Result<()> {
         let ask = Ask::Upgrade { node, from, params: params.0.clone() };
         let upgraded = self.ask(&ask, |tell| match tell {
-            Tell::Upgraded(upgraded) => Some(upgraded.map_err(Error::from)),
+            Tell::Upgraded(upgraded) => Some(upgraded.map_err(Fault::into_error)),
             _ => None,
         })?;
         params.0 = upgraded?;
@@ -162,6 +165,8 @@ struct Worker {
     tells: Receiver<Tell>,
     inputs: File,
     outputs: File,
+    /// The number of the last task that it was given.
+    task: u64,
     /// Not to be used again.
     lost: bool,
 }
@@ -175,20 +180,19 @@ impl Drop for Worker {
 }
 
 impl Worker {
-    fn start(library: &std::path::Path, program: &Program, limits: &Limits) -> Result<Self> {
+    fn start(library: &Path, program: &Program, limits: &Limits) -> Result<Self> {
         let failed = |error: io::Error| {
             Error::invalid(
                 format!("no process could be started for the plugin: {error}"),
                 "check the system's limits on processes and open files",
             )
         };
-        let mut worker = Self::spawn(library, program).map_err(failed)?;
-        // The files' names are gone once both sides hold them: nothing of them outlives the two processes.
-        let folder = tempfile::tempdir_in(folder()).map_err(failed)?;
-        let (inputs, outputs) = (folder.path().join("inputs"), folder.path().join("outputs"));
-        let open = |path| File::options().read(true).write(true).create_new(true).open(path);
-        worker.inputs = open(&inputs).map_err(failed)?;
-        worker.outputs = open(&outputs).map_err(failed)?;
+        let shared = || SharedFile::new().map_err(failed);
+        let (inputs, outputs) = (shared()?, shared()?);
+        let (line, child, tells) = spawn(library, program).map_err(failed)?;
+        let mut worker =
+            Self { child, line, tells, inputs: inputs.file, outputs: outputs.file, task: 0, lost: false };
+        let (inputs, outputs) = (inputs.path, outputs.path);
         let threads = rayon::current_num_threads();
         let hello = Hello { library: library.to_owned(), inputs, outputs, threads };
         send(&mut worker.line, &hello).map_err(failed)?;
@@ -197,26 +201,6 @@ impl Worker {
             Tell::Unloadable(reason) => Err(defect(reason)),
             _ => Err(worker.confused()),
         }
-    }
-
-    fn spawn(library: &std::path::Path, program: &Program) -> io::Result<Self> {
-        let (line, theirs) = UnixStream::pair()?;
-        let mut command = program.command("work");
-        // The name serves who looks at the list of processes. What the plugin prints is no result of the run.
-        command.arg(library).stdin(OwnedFd::from(theirs));
-        command.stdout(Stdio::from(io::stderr().as_fd().try_clone_to_owned()?)).stderr(Stdio::inherit());
-        let child = command.spawn()?;
-        let mut incoming = line.try_clone()?;
-        let (sender, tells) = channel();
-        thread::spawn(move || {
-            while let Ok(tell) = receive(&mut incoming) {
-                if sender.send(tell).is_err() {
-                    break;
-                }
-            }
-        });
-        let nothing = || tempfile::tempfile();
-        Ok(Self { child, line, tells, inputs: nothing()?, outputs: nothing()?, lost: false })
     }
 
     fn exchange(&mut self, ask: &Ask, job: Option<&Job>, limits: &Limits) -> Result<Tell> {
@@ -250,7 +234,7 @@ impl Worker {
             if job.is_some_and(|job| job.check().is_err()) {
                 let since = *cancelled.get_or_insert_with(|| {
                     // If the line is broken, the next look tells.
-                    let _ = send(&mut self.line, &Ask::Cancel);
+                    let _ = send(&mut self.line, &Ask::Cancel { task: self.task });
                     Instant::now()
                 });
                 if since.elapsed() > GRACE {
@@ -288,4 +272,24 @@ impl Worker {
         self.lost = true;
         defect("the plugin's process answered what it was not asked")
     }
+}
+
+/// Starts a process that waits for a [`Hello`], and hears it.
+fn spawn(library: &Path, program: &Program) -> io::Result<(UnixStream, Child, Receiver<Tell>)> {
+    let (line, theirs) = UnixStream::pair()?;
+    let mut command = program.command("work");
+    // The name serves who looks at the list of processes. What the plugin prints is no result of the run.
+    command.arg(library).stdin(OwnedFd::from(theirs));
+    command.stdout(Stdio::from(io::stderr().as_fd().try_clone_to_owned()?)).stderr(Stdio::inherit());
+    let child = command.spawn()?;
+    let mut incoming = line.try_clone()?;
+    let (sender, tells) = channel();
+    thread::spawn(move || {
+        while let Ok(tell) = receive(&mut incoming) {
+            if sender.send(tell).is_err() {
+                break;
+            }
+        }
+    });
+    Ok((line, child, tells))
 }

@@ -42,13 +42,19 @@ pub(super) enum Ask {
         from: u32,
         params: BTreeMap<String, ParamValue>,
     },
-    /// Stop the task at hand.
-    Cancel,
+    /// Stop that task, if it is still under way.
+    Cancel {
+        task: u64,
+    },
 }
 
 /// One run of one node.
 #[derive(Serialize, Deserialize)]
 pub(super) struct Task {
+    /// Its number, from 1.
+    pub(super) number: u64,
+    /// Whether it was cancelled before it began.
+    pub(super) cancelled: bool,
     pub(super) node: u32,
     pub(super) params: Vec<ParamValue>,
     pub(super) ports: Vec<Port>,
@@ -107,12 +113,12 @@ impl From<Error> for Fault {
     }
 }
 
-impl From<Fault> for Error {
-    fn from(fault: Fault) -> Self {
-        match fault {
-            Fault::Cancelled => Self::Cancelled,
-            Fault::Panicked(message) => Self::Panicked { message },
-            Fault::Other { message, hint } => Self::Invalid { message, hint },
+impl Fault {
+    pub(super) fn into_error(self) -> Error {
+        match self {
+            Self::Cancelled => Error::Cancelled,
+            Self::Panicked(message) => Error::Panicked { message },
+            Self::Other { message, hint } => Error::Invalid { message, hint },
         }
     }
 }

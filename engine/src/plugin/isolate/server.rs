@@ -1,6 +1,7 @@
 //! The worker's side.
 
 use std::{
+    collections::BTreeMap,
     fs::{File, OpenOptions},
     io,
     os::{fd::AsFd, unix::net::UnixStream},
@@ -8,14 +9,15 @@ use std::{
     process,
     sync::{
         Arc, Mutex, PoisonError,
-        atomic::{AtomicBool, AtomicU64, Ordering},
+        atomic::{AtomicU64, Ordering},
         mpsc::{Receiver, channel},
     },
     thread,
     time::Instant,
 };
 
-use memmap2::Mmap;
+use memmap2::MmapOptions;
+use orograph_abi::Cells;
 use orograph_core::{CellSize, Context, Error, Host, Job, OutputStream, RawParams, Result, Slot, Value};
 use rayon::{ThreadPool, ThreadPoolBuilder};
 use rustix::process::{Resource, Rlimit, getrlimit, setrlimit};
@@ -24,7 +26,7 @@ use super::{
     message::{Ask, Fault, Hello, Port, Task, Tell, receive, send},
     shared::{Span, Writer},
 };
-use crate::plugin::library::Library;
+use crate::plugin::{library::Library, live::Keep};
 
 /// Serves a host until it goes away. Its end of the line is standard input.
 pub(in crate::plugin) fn serve() -> io::Result<()> {
@@ -41,7 +43,7 @@ pub(in crate::plugin) fn serve() -> io::Result<()> {
     };
     let pool = ThreadPoolBuilder::new().num_threads(hello.threads).build().map_err(io::Error::other)?;
     say(&tell, &Tell::Ready)?;
-    let cancelled = Arc::new(AtomicBool::new(false));
+    let cancelled = Arc::new(AtomicU64::new(0));
     let asks = listen(incoming, Arc::clone(&cancelled));
     let worker = Worker { library, pool, inputs: files.0, outputs: files.1, tell, cancelled };
     for ask in asks {
@@ -55,13 +57,13 @@ fn say(line: &Mutex<UnixStream>, tell: &Tell) -> io::Result<()> {
 }
 
 /// Hears the host while nodes run: a cancel must not wait, and without a host there is nothing left to do.
-fn listen(mut incoming: UnixStream, cancelled: Arc<AtomicBool>) -> Receiver<Ask> {
+fn listen(mut incoming: UnixStream, cancelled: Arc<AtomicU64>) -> Receiver<Ask> {
     let (sender, receiver) = channel();
     thread::spawn(move || {
         loop {
             let heard = match receive(&mut incoming) {
-                Ok(Ask::Cancel) => {
-                    cancelled.store(true, Ordering::Relaxed);
+                Ok(Ask::Cancel { task }) => {
+                    cancelled.store(task, Ordering::Relaxed);
                     true
                 }
                 Ok(ask) => sender.send(ask).is_ok(),
@@ -81,19 +83,15 @@ struct Worker {
     inputs: File,
     outputs: File,
     tell: Arc<Mutex<UnixStream>>,
-    cancelled: Arc<AtomicBool>,
+    /// The number of the last task that was cancelled.
+    cancelled: Arc<AtomicU64>,
 }
 
 impl Worker {
     fn serve(&self, ask: Ask) -> io::Result<()> {
         let library = &self.library;
         let told = match ask {
-            Ask::Run(task) => {
-                let ran = self.run(&task);
-                // A cancel that comes after this is for no task.
-                self.cancelled.store(false, Ordering::Relaxed);
-                Tell::Ran(ran.map_err(Fault::from))
-            }
+            Ask::Run(task) => Tell::Ran(self.run(&task).map_err(Fault::from)),
             Ask::Check { node, params } => Tell::Checked(library.check(node, &params).map_err(Fault::from)),
             Ask::Halo { node, params, cell: (x, y) } => {
                 Tell::Halo(library.halo(node, &params, CellSize { x, y }) as u64)
@@ -104,43 +102,57 @@ impl Worker {
                 let upgraded = library.upgrade(node, from, &mut params);
                 Tell::Upgraded(upgraded.map(|()| params.0).map_err(Fault::from))
             }
-            Ask::Cancel => return Ok(()),
+            Ask::Cancel { .. } => return Ok(()),
         };
         say(&self.tell, &told)
     }
 
     fn run(&self, task: &Task) -> Result<Vec<Span>> {
         let unreadable = |error: io::Error| Error::reading("the plugin's inputs", error);
-        limit_memory(task.memory.saturating_add(task.bytes));
+        limit_memory(task.memory);
         let map = if task.bytes == 0 {
             None
         } else {
+            let mut options = MmapOptions::new();
             // SAFETY: the host changes the file between tasks alone, and never makes it shorter.
-            Some(unsafe { Mmap::map(&self.inputs) }.map_err(unreadable)?)
+            let map = unsafe { options.len(task.bytes as usize).populate().map(&self.inputs) };
+            Some(map.map_err(unreadable)?)
         };
-        let values = {
-            let bytes: &[u8] = map.as_deref().unwrap_or(&[]);
-            // SAFETY: a longer lifetime than it has: the values over it are dropped before the map is.
-            let bytes = unsafe { std::mem::transmute::<&[u8], &'static [u8]>(bytes) };
-            let slots = slots(&task.ports, bytes)?;
-            let host = WorkerHost {
-                worker: self,
-                task,
-                told: Mutex::default(),
-                beat: AtomicU64::new(0),
-                started: Instant::now(),
-            };
-            let job = Job::new(&host, Context { seed: task.seed, resolution: task.resolution });
-            self.pool.install(|| self.library.run(task.node, &task.params, &slots, &job))?
+        let bytes: &[u8] = map.as_deref().unwrap_or(&[]);
+        // SAFETY: a longer lifetime than it has: the values over it are dropped before the map is.
+        let bytes = unsafe { std::mem::transmute::<&[u8], &'static [u8]>(bytes) };
+        let slots = slots(&task.ports, bytes)?;
+        let host = WorkerHost {
+            worker: self,
+            task,
+            told: Mutex::default(),
+            beat: AtomicU64::new(0),
+            started: Instant::now(),
         };
+        let job = Job::new(&host, Context { seed: task.seed, resolution: task.resolution });
+        let spans = Spans(Mutex::new((Writer::new(&self.outputs), BTreeMap::new())));
+        let run = || self.library.run_into(task.node, &task.params, &slots, &job, &spans);
+        self.pool.install(run)?;
+        drop(slots);
         drop(map);
-        let mut writer = Writer::new(&self.outputs);
-        let put = |value: &Value| writer.put(value);
-        values
-            .iter()
-            .map(put)
-            .collect::<io::Result<_>>()
-            .map_err(|error| Error::writing("the plugin's outputs", error))
+        let (_, spans) = spans.0.into_inner().unwrap_or_else(PoisonError::into_inner);
+        Ok(spans.into_values().collect())
+    }
+}
+
+/// Outputs, written where the host reads them while the plugin lends them.
+struct Spans<'a>(Mutex<(Writer<'a>, BTreeMap<usize, Span>)>);
+
+impl Keep for Spans<'_> {
+    fn cells(&self) -> Cells {
+        Cells::Lent
+    }
+    fn keep(&self, port: usize, value: Value) -> Result<()> {
+        let mut kept = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        let (writer, spans) = &mut *kept;
+        let span = writer.put(&value).map_err(|error| Error::writing("the plugin's outputs", error))?;
+        spans.insert(port, span);
+        Ok(())
     }
 }
 
@@ -165,12 +177,16 @@ fn slots(ports: &[Port], bytes: &'static [u8]) -> Result<Vec<Slot>> {
 }
 
 /// Bounds what the process may take from here on. Where the system cannot tell what it has, there is no bound.
+///
+/// What counts is memory that can be written. Bounding addresses would count what threads reserve and never use.
 fn limit_memory(more: u64) {
-    let Some(pages) = std::fs::read_to_string("/proc/self/statm").ok() else { return };
-    let Some(pages) = pages.split(' ').next().and_then(|pages| pages.parse::<u64>().ok()) else { return };
+    let Ok(pages) = std::fs::read_to_string("/proc/self/statm") else { return };
+    let Some(pages) = pages.split_whitespace().nth(5).and_then(|pages| pages.parse::<u64>().ok()) else {
+        return;
+    };
     let has = pages.saturating_mul(rustix::param::page_size() as u64);
-    let maximum = getrlimit(Resource::As).maximum;
-    let _ = setrlimit(Resource::As, Rlimit { current: Some(has.saturating_add(more)), maximum });
+    let maximum = getrlimit(Resource::Data).maximum;
+    let _ = setrlimit(Resource::Data, Rlimit { current: Some(has.saturating_add(more)), maximum });
 }
 
 /// The host of a node, far away.
@@ -196,7 +212,7 @@ impl Host for WorkerHost<'_> {
         if self.beat.swap(second, Ordering::Relaxed) != second {
             self.say(&Tell::Alive);
         }
-        self.worker.cancelled.load(Ordering::Relaxed)
+        self.task.cancelled || self.worker.cancelled.load(Ordering::Relaxed) == self.task.number
     }
     fn progress(&self, done: f64) {
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);

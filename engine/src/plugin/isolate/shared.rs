@@ -1,15 +1,11 @@
 //! Values in a file of shared memory.
 
-use std::{
-    fs::File,
-    io,
-    os::unix::fs::FileExt,
-    path::{Path, PathBuf},
-};
+use std::{fs::File, io, os::unix::fs::FileExt, path::PathBuf};
 
 use orograph_core::{Job, Result as NodeResult, Value};
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
+use tempfile::TempPath;
 
 use crate::plugin::host::defect;
 
@@ -27,10 +23,26 @@ const BOUNDARY: u64 = 64;
 /// What one thread copies at a time.
 const CHUNK: usize = 4 << 20;
 
-/// Where files of shared memory are made: in memory where the system has such a folder.
-pub(super) fn folder() -> PathBuf {
-    let memory = Path::new("/dev/shm");
-    if memory.is_dir() { memory.to_owned() } else { std::env::temp_dir() }
+/// A file that two processes share, and the name that the other one opens it by.
+pub(super) struct SharedFile {
+    pub(super) file: File,
+    pub(super) path: PathBuf,
+    /// Where it has a name of its own, that goes with this.
+    _name: Option<TempPath>,
+}
+
+impl SharedFile {
+    /// An empty file: of memory, where the system has such files, and of no size that a mounted folder bounds.
+    pub(super) fn new() -> io::Result<Self> {
+        #[cfg(target_os = "linux")]
+        if let Ok(memory) = rustix::fs::memfd_create("orograph plugin", rustix::fs::MemfdFlags::CLOEXEC) {
+            use std::os::fd::AsRawFd;
+            let path = format!("/proc/{}/fd/{}", std::process::id(), memory.as_raw_fd()).into();
+            return Ok(Self { file: memory.into(), path, _name: None });
+        }
+        let (file, name) = tempfile::NamedTempFile::new()?.into_parts();
+        Ok(Self { file, path: name.to_path_buf(), _name: Some(name) })
+    }
 }
 
 /// Writes values one after the other.
@@ -52,7 +64,8 @@ impl<'a> Writer<'a> {
     pub(super) fn put(&mut self, value: &Value) -> io::Result<Span> {
         let encoded = value.encode();
         let (head, head_len) = (self.end, encoded.head.len() as u64);
-        let payload = (head + head_len).next_multiple_of(BOUNDARY);
+        let end = head + head_len;
+        let payload = if encoded.payload.is_empty() { end } else { end.next_multiple_of(BOUNDARY) };
         self.file.write_all_at(&encoded.head, head)?;
         encoded
             .payload
