@@ -1,6 +1,8 @@
 //! Nodes of plugins at work: every type crosses, and what goes wrong is the node's error, here and apart.
 
 #![cfg(unix)]
+// A helper that fails is a test that fails.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 
