@@ -85,18 +85,18 @@ static void give(void *context, size_t index) {
         return;
     }
     ptrdiff_t row = (ptrdiff_t)index, cols = pass->cols;
+    ptrdiff_t top = row > 0 ? row - 1 : row, bottom = row + 1 < pass->rows ? row + 1 : row;
     for (ptrdiff_t col = 0; col < cols; col++) {
+        ptrdiff_t left = col > 0 ? col - 1 : col, right = col + 1 < cols ? col + 1 : col;
         ptrdiff_t cell = row * cols + col;
         double sum = 0.0, most = 0.0;
-        for (ptrdiff_t dr = -1; dr <= 1; dr++) {
-            for (ptrdiff_t dc = -1; dc <= 1; dc++) {
-                ptrdiff_t r = row + dr, c = col + dc;
-                if ((dr || dc) && r >= 0 && r < pass->rows && c >= 0 && c < cols) {
-                    double distance = pass->distance[dr + 1][dc + 1];
-                    double excess = excess_of(pass, pass->from[cell], pass->from[r * cols + c], distance);
-                    sum += excess;
-                    most = excess > most ? excess : most;
-                }
+        for (ptrdiff_t r = top; r <= bottom; r++) {
+            for (ptrdiff_t c = left; c <= right; c++) {
+                /* The cell itself lies nowhere below itself. */
+                double distance = pass->distance[r - row + 1][c - col + 1];
+                double excess = excess_of(pass, pass->from[cell], pass->from[r * cols + c], distance);
+                sum += excess;
+                most = excess > most ? excess : most;
             }
         }
         double soft = pass->hardness ? 1.0 - (double)pass->hardness[cell] : 1.0;
@@ -112,19 +112,18 @@ static void take(void *context, size_t index) {
         return;
     }
     ptrdiff_t row = (ptrdiff_t)index, cols = pass->cols;
+    ptrdiff_t top = row > 0 ? row - 1 : row, bottom = row + 1 < pass->rows ? row + 1 : row;
     for (ptrdiff_t col = 0; col < cols; col++) {
+        ptrdiff_t left = col > 0 ? col - 1 : col, right = col + 1 < cols ? col + 1 : col;
         ptrdiff_t cell = row * cols + col;
         double change = -(double)pass->given[cell];
-        for (ptrdiff_t dr = -1; dr <= 1; dr++) {
-            for (ptrdiff_t dc = -1; dc <= 1; dc++) {
-                ptrdiff_t r = row + dr, c = col + dc;
-                if ((dr || dc) && r >= 0 && r < pass->rows && c >= 0 && c < cols) {
-                    ptrdiff_t other = r * cols + c;
-                    if (pass->given[other] > 0.0f) {
-                        double distance = pass->distance[dr + 1][dc + 1];
-                        double excess = excess_of(pass, pass->from[other], pass->from[cell], distance);
-                        change += (double)pass->given[other] * excess / (double)pass->excess[other];
-                    }
+        for (ptrdiff_t r = top; r <= bottom; r++) {
+            for (ptrdiff_t c = left; c <= right; c++) {
+                ptrdiff_t other = r * cols + c;
+                if (pass->given[other] > 0.0f) {
+                    double distance = pass->distance[r - row + 1][c - col + 1];
+                    double excess = excess_of(pass, pass->from[other], pass->from[cell], distance);
+                    change += (double)pass->given[other] * excess / (double)pass->excess[other];
                 }
             }
         }
