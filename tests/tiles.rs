@@ -16,16 +16,22 @@ const TILES: [[&str; 2]; 2] = [["N46E008", "N46E009"], ["N45E008", "N45E009"]];
 
 /// Rough hills over all tiles.
 fn height(row: usize, col: usize) -> i16 {
-    let wave = |length: f64, turn: f64| {
-        let (y, x) = (row as f64 / length, col as f64 / length);
-        length * ((y * turn.cos() + x * turn.sin()).sin() + (x * turn.cos() - y * turn.sin()).cos())
+    // Bells side by side along a direction, so many cells long; smooth where they meet.
+    let wave = |length: f64, [down, across]: [f64; 2]| {
+        let along = ((row as f64 * down + col as f64 * across) / length).rem_euclid(2.0) - 1.0;
+        let bell = 1.0 - along * along;
+        1.5 * length * bell * bell
     };
-    (1500.0 + wave(90.0, 0.3) + wave(37.0, 1.1) + wave(15.0, 2.3) + wave(6.0, 0.7)).round() as i16
+    let hills = wave(140.0, [0.9, 0.4]) + wave(110.0, [-0.3, 0.95]) + wave(60.0, [0.7, -0.7]);
+    (1200.0 + hills + wave(35.0, [0.2, 1.0]) + wave(12.0, [1.0, 0.5])).round() as i16
 }
 
 /// Voids across each of the inner edges and across the middle.
 fn is_void(row: usize, col: usize) -> bool {
-    let within = |at: [f64; 2], radius: f64| (row as f64 - at[0]).hypot(col as f64 - at[1]) < radius;
+    let within = |at: [f64; 2], radius: f64| {
+        let [down, across] = [row as f64 - at[0], col as f64 - at[1]];
+        down * down + across * across < radius * radius
+    };
     within([1200.0, 1200.0], 30.0)
         || within([300.0, 1190.0], 40.0)
         || within([1204.0, 500.0], 25.0)
@@ -50,6 +56,10 @@ fn tiles() -> Place {
     place
 }
 
+fn square(off: i16) -> f64 {
+    f64::from(off) * f64::from(off)
+}
+
 /// The heights of a tile in a folder.
 fn read(place: &Place, file: &str) -> Vec<i16> {
     let bytes = fs::read(place.path(file)).unwrap();
@@ -72,7 +82,7 @@ fn a_folder_of_tiles_is_repaired_without_seams() {
                 let (row, col) = (down * 1200 + i / SIDE, across * 1200 + i % SIDE);
                 if is_void(row, col) {
                     assert_ne!(found, VOID, "{name}: row {row}, column {col}");
-                    error[0] += f64::from(found - height(row, col)).powi(2);
+                    error[0] += square(found - height(row, col));
                     error[1] += 1.0;
                 } else {
                     assert_eq!(found, height(row, col), "{name}: row {row}, column {col}");
@@ -97,7 +107,7 @@ fn a_folder_of_tiles_is_repaired_without_seams() {
             let filled = read(&place, &format!("alone/{name}/{name}.hgt"));
             let off = move |(i, found): (usize, i16)| {
                 let (row, col) = (down * 1200 + i / SIDE, across * 1200 + i % SIDE);
-                f64::from(found - height(row, col)).powi(2)
+                square(found - height(row, col))
             };
             filled.into_iter().enumerate().map(off).collect::<Vec<_>>()
         })
