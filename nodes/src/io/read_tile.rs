@@ -7,9 +7,9 @@ use orograph_core::prelude::*;
 
 use super::{file, hgt, read_dem};
 
-/// Reads a tile that is named after its south-west corner, such as `N46E008.hgt.zip`, and the ground around it from its
-/// neighbours' files.
+/// Reads a tile and the ground around it from its neighbours' files.
 ///
+/// The tile is named after its south-west corner, such as `N46E008.hgt.zip`.
 /// Neighbours are files in the same folder, named alike (`N46E009.hgt.zip`) or `.hgt` or `.hgt.zip`; east of `E179` lies
 /// `W180`. Those that are not there are left out. Tiles share the samples on their common edge: where such a sample is a void
 /// here and measured there, it is taken from there. Samples measured here are never changed.
