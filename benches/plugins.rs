@@ -35,7 +35,7 @@ fn node(apart: bool) -> (Plugins, Arc<dyn Instance>) {
     let program = Program { executable, arguments: vec!["plugin-host".into()] };
     let plugins = Plugins::new(None, program).unwrap();
     let mut registry = Registry::default();
-    let found = plugins.register(&[LIBRARY.clone()], &mut registry, &|_| apart);
+    let found = plugins.register(std::slice::from_ref(&*LIBRARY), &mut registry, &|_| apart);
     assert!(found[0].outcome.is_ok(), "{found:?}");
     let instance = registry.get("pass.through").unwrap().instantiate(&[]).unwrap();
     (plugins, instance)

@@ -59,6 +59,9 @@ pub(crate) struct PluginOptions {
     /// Seconds that such a plugin may neither ask whether to stop nor report progress
     #[arg(long, default_value_t = 60, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..=86_400))]
     pub(crate) isolate_silence: u64,
+    /// Seconds that one node of such a plugin may run; by default as long as it likes
+    #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
+    pub(crate) isolate_timeout: Option<u64>,
     /// Memory that such a plugin may take beyond its inputs
     #[arg(long, default_value = "8GiB", value_name = "BYTES", value_parser = size::parse)]
     pub(crate) isolate_memory: u64,

@@ -38,7 +38,8 @@ pub(crate) fn register(
     let settings = settings()?;
     let apart = |name: &str| options.isolate || settings.isolate.iter().any(|isolated| isolated == name);
     let silence = Duration::from_secs(options.isolate_silence);
-    let limits = Limits { silence, memory: options.isolate_memory };
+    let time = options.isolate_timeout.map(Duration::from_secs);
+    let limits = Limits { silence, time, memory: options.isolate_memory };
     let plugins = plugins(cache, limits)?.scanning_again(again);
     Ok(plugins.register(&libraries, registry, &apart))
 }

@@ -1,6 +1,8 @@
 //! Nodes of plugins at work: every type crosses, and what goes wrong is the node's error, here and apart.
 
 #![cfg(unix)]
+// A helper that fails is a test that fails.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 
@@ -86,6 +88,7 @@ fn a_process_of_its_own_takes_the_worst() {
         ("segfault", "", "SIGSEGV"),
         ("exit", "", "exit code 0"),
         ("hog", "--isolate-memory 256MiB", "the plugin's process ended"),
+        ("polite loop", "--isolate-timeout 1", "it ran for more than 1 s and was stopped"),
         ("loop", "--isolate-silence 1", "it was not heard of for 1 s"),
     ] {
         let ended = behave(&place, how, &format!("--isolate {more}")).code(1);

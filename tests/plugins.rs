@@ -1,6 +1,8 @@
 //! Plugins: found, refused with the reason, told apart by content, checked.
 
 #![cfg(unix)]
+// A helper that fails is a test that fails.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 

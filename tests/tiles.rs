@@ -7,6 +7,7 @@ mod support;
 
 use std::{fs, path::Path};
 
+use libm::{cos, hypot, sin};
 use support::{Place, computed};
 
 const SIDE: usize = 1201;
@@ -18,14 +19,18 @@ const TILES: [[&str; 2]; 2] = [["N46E008", "N46E009"], ["N45E008", "N45E009"]];
 fn height(row: usize, col: usize) -> i16 {
     let wave = |length: f64, turn: f64| {
         let (y, x) = (row as f64 / length, col as f64 / length);
-        length * ((y * turn.cos() + x * turn.sin()).sin() + (x * turn.cos() - y * turn.sin()).cos())
+        length * (sin(y * cos(turn) + x * sin(turn)) + cos(x * cos(turn) - y * sin(turn)))
     };
     (1500.0 + wave(90.0, 0.3) + wave(37.0, 1.1) + wave(15.0, 2.3) + wave(6.0, 0.7)).round() as i16
 }
 
+fn square(difference: i16) -> f64 {
+    f64::from(difference) * f64::from(difference)
+}
+
 /// Voids across each of the inner edges and across the middle.
 fn is_void(row: usize, col: usize) -> bool {
-    let within = |at: [f64; 2], radius: f64| (row as f64 - at[0]).hypot(col as f64 - at[1]) < radius;
+    let within = |at: [f64; 2], radius: f64| hypot(row as f64 - at[0], col as f64 - at[1]) < radius;
     within([1200.0, 1200.0], 30.0)
         || within([300.0, 1190.0], 40.0)
         || within([1204.0, 500.0], 25.0)
@@ -72,7 +77,7 @@ fn a_folder_of_tiles_is_repaired_without_seams() {
                 let (row, col) = (down * 1200 + i / SIDE, across * 1200 + i % SIDE);
                 if is_void(row, col) {
                     assert_ne!(found, VOID, "{name}: row {row}, column {col}");
-                    error[0] += f64::from(found - height(row, col)).powi(2);
+                    error[0] += square(found - height(row, col));
                     error[1] += 1.0;
                 } else {
                     assert_eq!(found, height(row, col), "{name}: row {row}, column {col}");
@@ -97,7 +102,7 @@ fn a_folder_of_tiles_is_repaired_without_seams() {
             let filled = read(&place, &format!("alone/{name}/{name}.hgt"));
             let off = move |(i, found): (usize, i16)| {
                 let (row, col) = (down * 1200 + i / SIDE, across * 1200 + i % SIDE);
-                f64::from(found - height(row, col)).powi(2)
+                square(found - height(row, col))
             };
             filled.into_iter().enumerate().map(off).collect::<Vec<_>>()
         })

@@ -1,6 +1,8 @@
 //! `orograph run --watch`: the run again when something changes.
 
 #![cfg(unix)]
+// A helper that fails is a test that fails.
+#![allow(clippy::unwrap_used)]
 
 mod support;
 

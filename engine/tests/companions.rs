@@ -1,5 +1,8 @@
 //! Files beside a file: which a node is given, and what their coming, changing and going makes it do.
 
+// A helper that fails is a test that fails.
+#![allow(clippy::unwrap_used)]
+
 mod support;
 
 use std::{fs, path::Path, sync::Arc};

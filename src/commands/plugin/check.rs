@@ -15,7 +15,8 @@ const MORE: [(&str, Check); 2] = [
 
 pub(crate) fn run(library: &Path) -> Result<(), Failure> {
     // It is tried in processes of its own, so that the worst ends no more than a line of this list.
-    let limits = Limits { silence: Duration::from_secs(20), memory: 2 << 30 };
+    let limits =
+        Limits { silence: Duration::from_secs(20), time: Some(Duration::from_secs(120)), memory: 2 << 30 };
     let plugins = plugins::plugins(None, limits)?.scanning_again(true);
     let mut registry = session::built_in()?;
     let found = plugins.register(&[library.to_owned()], &mut registry, &|_| true);

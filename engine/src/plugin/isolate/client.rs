@@ -212,7 +212,8 @@ impl Worker {
 
     /// The worker's answer, while it may take its time, be cancelled, or end.
     fn wait(&mut self, job: Option<&Job>, limits: &Limits) -> Result<Tell> {
-        let mut heard = Instant::now();
+        let started = Instant::now();
+        let mut heard = started;
         let mut cancelled = None;
         loop {
             match self.tells.recv_timeout(LOOK) {
@@ -243,14 +244,21 @@ impl Worker {
                 }
             }
             if heard.elapsed() > limits.silence {
-                self.lost = true;
-                return Err(Error::Crashed {
-                    how: format!("it was not heard of for {} s and was stopped", limits.silence.as_secs()),
-                    hint: "it hangs, or never asks whether to stop: report it to its author, or raise `--isolate-silence`"
-                        .into(),
-                });
+                let hint = "it hangs, or never asks whether to stop: report it to its author, or raise `--isolate-silence`";
+                return Err(
+                    self.stopped(&format!("was not heard of for {} s", limits.silence.as_secs()), hint)
+                );
+            }
+            if let Some(time) = limits.time.filter(|time| started.elapsed() > *time) {
+                let hint = "ask less of it, or raise `--isolate-timeout`";
+                return Err(self.stopped(&format!("ran for more than {} s", time.as_secs()), hint));
             }
         }
+    }
+
+    fn stopped(&mut self, why: &str, hint: &str) -> Error {
+        self.lost = true;
+        Error::Crashed { how: format!("it {why} and was stopped"), hint: hint.into() }
     }
 
     fn ended(&mut self, limits: &Limits) -> Error {

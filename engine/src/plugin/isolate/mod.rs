@@ -24,13 +24,15 @@ pub(super) use server::serve;
 pub struct Limits {
     /// How long it may neither ask whether to stop nor report progress before it counts as hung.
     pub silence: Duration,
+    /// How long one run of a node may take at most, when there is such a limit.
+    pub time: Option<Duration>,
     /// Bytes that it may take beyond its inputs.
     pub memory: u64,
 }
 
 impl Default for Limits {
     fn default() -> Self {
-        Self { silence: Duration::from_secs(60), memory: 8 << 30 }
+        Self { silence: Duration::from_secs(60), time: None, memory: 8 << 30 }
     }
 }
 

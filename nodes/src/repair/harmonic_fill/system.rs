@@ -98,7 +98,7 @@ impl System {
     pub(super) fn solve(&self, mut residual: Vec<f64>, job: &Job<'_>) -> Result<Vec<f64>> {
         let n = residual.len();
         let mut x = vec![0.0; n];
-        let start = dot(&residual, &residual).sqrt();
+        let start = dot(&residual, &residual, job)?.sqrt();
         if start == 0.0 {
             return Ok(x);
         }
@@ -107,27 +107,31 @@ impl System {
         self.precondition(&pivots, &residual, &mut z, job)?;
         let mut direction = z.clone();
         let mut image = vec![0.0; n];
-        let mut energy = dot(&residual, &z);
+        let mut energy = dot(&residual, &z, job)?;
         let cap = (20.0 * (n as f64).sqrt()) as u64 + 200;
         let mut share = 1.0;
         for _ in 0..cap {
             job.check()?;
             self.multiply(&direction, &mut image, job)?;
-            let step = energy / dot(&direction, &image);
-            for i in 0..n {
-                x[i] += step * direction[i];
-                residual[i] -= step * image[i];
+            let step = energy / dot(&direction, &image, job)?;
+            for start in (0..n).step_by(PIECE) {
+                job.check()?;
+                for i in start..n.min(start + PIECE) {
+                    x[i] += step * direction[i];
+                    residual[i] -= step * image[i];
+                }
             }
-            share = dot(&residual, &residual).sqrt() / start;
+            share = dot(&residual, &residual, job)?.sqrt() / start;
             if share <= RESIDUAL {
                 return Ok(x);
             }
             self.precondition(&pivots, &residual, &mut z, job)?;
-            let next = dot(&residual, &z);
+            let next = dot(&residual, &z, job)?;
             let turn = next / energy;
             energy = next;
-            for (direction, z) in direction.iter_mut().zip(&z) {
-                *direction = z + turn * *direction;
+            for (direction, z) in direction.chunks_mut(PIECE).zip(z.chunks(PIECE)) {
+                job.check()?;
+                direction.iter_mut().zip(z).for_each(|(direction, z)| *direction = z + turn * *direction);
             }
         }
         // NaN counts as hopeless too.
@@ -138,9 +142,17 @@ impl System {
 /// Hears of a cancellation every few hundred microseconds of a loop over unknowns, of which a hole may have many millions.
 #[inline]
 pub(super) fn check_often(i: usize, job: &Job<'_>) -> Result<()> {
-    if i.is_multiple_of(1 << 16) { job.check() } else { Ok(()) }
+    if i.is_multiple_of(PIECE) { job.check() } else { Ok(()) }
 }
 
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
+/// Cells between two questions whether the work was cancelled.
+const PIECE: usize = 1 << 16;
+
+fn dot(a: &[f64], b: &[f64], job: &Job<'_>) -> Result<f64> {
+    let mut sum = 0.0;
+    for (a, b) in a.chunks(PIECE).zip(b.chunks(PIECE)) {
+        job.check()?;
+        sum = a.iter().zip(b).fold(sum, |sum, (a, b)| sum + a * b);
+    }
+    Ok(sum)
 }
