@@ -12,7 +12,8 @@
 //! Deposition follows Davy & Lague (2009) and Yuan, Braun, Guerit, Rouby & Cordonnier (2019), "A new efficient method
 //! to solve the stream power law model taking into account sediment deposition". Departures: what settles is taken
 //! from the sediment of the step before instead of iterating within one; the exponent of the discharge is ½ and that
-//! of the slope 1; there is no uplift; slopes steeper than a limit fall at once.
+//! of the slope 1; there is no uplift; slopes steeper than a limit fall at once, and the limit differs a little
+//! from cell to cell, without which they would fall in planes.
 
 mod lattice;
 mod routing;
@@ -41,7 +42,7 @@ pub struct Hydraulic {
     /// How readily sediment settles. 0 carries everything away; above 1 valleys fill and streams spread in fans.
     #[param(default = 1, range = 0.0..=10.0, slider = 0.0..=3.0, unit = "1")]
     pub settling: f64,
-    /// The steepest slope that dry ground keeps.
+    /// The steepest slope that dry ground keeps, a quarter more or less from cell to cell, as rock is.
     #[param(default = 50, range = 1.0..=89.0, slider = 20.0..=70.0, unit = "deg")]
     pub steepest: f64,
     /// Steps that the years are cut into. More of them let streams move more often; the time taken grows alike.

@@ -148,14 +148,15 @@ impl Erosion {
             let here = f64::from(self.heights[cell]);
             let discharge = routes.discharge[cell];
             if routes.still(cell) || discharge <= 0.0 {
-                self.next[cell] = self.heights[cell];
+                // What falls into a lake falls to its surface; the downward sweep puts its floor back.
+                self.next[cell] = routes.water[cell];
                 continue;
             }
             let cutting = strength(cell) * discharge.sqrt();
             let (mut pull, mut target) = (0.0, 0.0);
             let mut slide = self.ground.slide(self.firmness[cell]);
             routes.each_way(lattice, cell, |direction, to, share| {
-                let (base, distance, nearness) = self.base(lattice, routes, cell, direction, to);
+                let (base, distance, nearness) = self.base(lattice, cell, direction, to);
                 let weight = cutting * share * nearness;
                 pull += weight;
                 target += weight * base;
@@ -173,14 +174,7 @@ impl Erosion {
     /// The height that water from `cell` falls to at `to`, how far away that is, and the inverse of it: new
     /// ground, a lake, or what lies beyond the edge.
     #[inline(always)]
-    fn base(
-        &self,
-        lattice: &Lattice,
-        routes: &Routes,
-        cell: usize,
-        direction: usize,
-        to: u32,
-    ) -> (f64, f64, f64) {
+    fn base(&self, lattice: &Lattice, cell: usize, direction: usize, to: u32) -> (f64, f64, f64) {
         if to == OUT {
             let beyond = lattice.beyond(cell);
             return beyond.map_or((f64::INFINITY, 1.0, 1.0), |beyond| {
@@ -188,9 +182,8 @@ impl Erosion {
                 (beyond.height.into(), distance, 1.0 / distance)
             });
         }
-        let to = to as usize;
-        let ground = if routes.water[to] > self.heights[to] { routes.water[to] } else { self.next[to] };
-        (ground.into(), lattice.distances[direction].into(), lattice.nearness[direction])
+        let ground = f64::from(self.next[to as usize]);
+        (ground, lattice.distances[direction].into(), lattice.nearness[direction])
     }
 
     /// Downwards: hands on what was cut, and lets no cell keep more than came to it.
@@ -208,11 +201,14 @@ impl Erosion {
                 let change = self.next[cell] - here;
                 self.sediment[cell] = (self.sediment[cell] + change).max(0.0);
                 load = (load - f64::from(change) * lattice.area).max(0.0);
-            } else if let Some(basin) = routes.lowest_of(cell) {
-                let lake = &mut self.lakes[basin];
-                let settles = load.min(*lake * FULLEST);
-                load -= settles;
-                *lake = if settles > 0.0 { settles / *lake } else { 0.0 };
+            } else {
+                self.next[cell] = self.heights[cell];
+                if let Some(basin) = routes.lowest_of(cell) {
+                    let lake = &mut self.lakes[basin];
+                    let settles = load.min(*lake * FULLEST);
+                    load -= settles;
+                    *lake = if settles > 0.0 { settles / *lake } else { 0.0 };
+                }
             }
             let Self { load: loads, lost, .. } = self;
             routes.each_way(lattice, cell, |_, to, share| match to {

@@ -114,6 +114,28 @@ fn a_plane_under_even_rain_is_cut_as_the_law_says() {
 }
 
 #[test]
+fn no_ground_stands_steeper_than_told() {
+    let tower = |row: usize, col: usize| (20..40).contains(&row) && (30..50).contains(&col);
+    let terrain = field(60, 80, OBLONG, |row, col| if tower(row, col) { 3000.0 } else { 100.0 - col as f64 });
+    let settings = Hydraulic { cutting_mm: 0.0, steepest: 40.0, ..Hydraulic::default() };
+    let (erosion, _) = run(&settings, &terrain);
+    let steepest = libm::tan(40_f64.to_radians());
+    let mut most: f64 = 0.0;
+    for row in 1..60 {
+        for col in 1..80 {
+            let height = |row: usize, col: usize| f64::from(erosion.heights[row * 80 + col]);
+            let (x, y) = (
+                (height(row, col) - height(row, col - 1)) / 60.0,
+                (height(row, col) - height(row - 1, col)) / 90.0,
+            );
+            most = most.max(x.abs()).max(y.abs());
+        }
+    }
+    assert!(most <= steepest * 1.2501 && most > steepest * 0.7, "{most}, not {steepest}");
+    assert!(erosion.heights.iter().all(|&height| height < 1500.0), "the tower falls to both its sides");
+}
+
+#[test]
 fn no_wall_stands_at_the_border() {
     // A slope that leaves the raster stays a slope: no cell of the border stands above its inner neighbour.
     let terrain = field(60, 80, OBLONG, |row, col| 900.0 - 6.0 * col as f64 + 0.3 * (row % 7) as f64);

@@ -11,8 +11,11 @@ use crate::lattice::{FORWARD, Lattice, OUT};
 /// decides: on level ground an order of cells would draw straight lines.
 type Pass = (u64, u32, u32);
 
+/// Where a lake spills: its own cell, and the other basin's.
+type Spill = (u32, u32);
+
 /// Stream of random numbers.
-const LEVEL: u64 = 0x6c65_7665_6c;
+const LEVEL: u64 = 0x006c_6576_656c;
 
 /// Order of heights as whole numbers.
 fn rank(height: f32) -> u32 {
@@ -60,7 +63,7 @@ impl Routes {
         heights: &[f32],
         basins: usize,
         job: &Job,
-    ) -> Result<(Vec<f32>, Vec<(u32, u32)>)> {
+    ) -> Result<(Vec<f32>, Vec<Spill>)> {
         let mut levels = vec![f32::NEG_INFINITY; basins];
         let mut spills = vec![(OUT, OUT); basins];
         if basins == 1 {
