@@ -22,7 +22,7 @@ use std::{
     collections::BTreeMap,
     fs, io,
     path::{Path, PathBuf},
-    sync::{Arc, OnceLock},
+    sync::Arc,
 };
 
 use orograph_core::Digest;
@@ -32,7 +32,7 @@ pub use program::{Program, serve};
 
 use crate::registry::Registry;
 use isolate::Workers;
-use node::{Calls, Plugin};
+use node::{Calls, Here, Plugin};
 use scan::{Scan, Scanned};
 use store::Store;
 
@@ -162,10 +162,10 @@ impl Plugins {
             nodes: spec.nodes.iter().map(|node| node.id.to_string()).collect(),
             apart: apart(&spec.name),
         };
-        let calls = if registered.apart {
-            Calls::Apart(Workers::new(scanned.copy, self.program.clone(), self.limits))
+        let calls: Box<dyn Calls> = if registered.apart {
+            Box::new(Workers::new(scanned.copy, self.program.clone(), self.limits))
         } else {
-            Calls::Here { copy: scanned.copy, library: OnceLock::new() }
+            Box::new(Here::new(scanned.copy, spec.clone()))
         };
         for node_type in Plugin::new(description, calls, Arc::clone(&self.store)).node_types(&scanned.digest)
         {

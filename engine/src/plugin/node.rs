@@ -5,30 +5,43 @@ use std::{
     sync::{Arc, OnceLock},
 };
 
+use orograph_abi::PluginSpec;
 use orograph_core::{
     CellSize, Digest, Instance, Job, NodeSpec, NodeType, ParamValue, RawParams, Result, Slot, Value,
 };
 
-use super::{host::defect, isolate::Workers, library::Library, scan::Description, store::Store};
+use super::{host::defect, library::Library, scan::Description, store::Store};
 
 /// A plugin whose nodes are registered.
 pub(super) struct Plugin {
     description: Description,
-    calls: Calls,
+    calls: Box<dyn Calls>,
     /// Where the copy of its library lies.
     _store: Arc<Store>,
 }
 
-/// Where its code runs.
-pub(super) enum Calls {
-    /// In this process, from the moment that the first node needs it.
-    Here { copy: PathBuf, library: OnceLock<Result<Library, String>> },
-    /// In processes of its own.
-    Apart(Workers),
+/// The calls into a plugin, wherever its code runs. A node goes by its index.
+pub(super) trait Calls: Send + Sync {
+    /// Runs a node.
+    fn run(
+        &self,
+        node: (u32, &NodeSpec),
+        params: &[ParamValue],
+        slots: &[Slot],
+        job: &Job,
+    ) -> Result<Vec<Value>>;
+    /// Whether settings go together.
+    fn check(&self, node: u32, params: &[ParamValue]) -> Result<()>;
+    /// The halo of a local node, in cells.
+    fn halo(&self, node: u32, params: &[ParamValue], cell: CellSize) -> Result<usize>;
+    /// Rough work per cell.
+    fn cost(&self, node: u32, params: &[ParamValue]) -> Result<f64>;
+    /// Lifts parameters of an older version.
+    fn upgrade(&self, node: u32, from: u32, params: &mut RawParams) -> Result<()>;
 }
 
 impl Plugin {
-    pub(super) fn new(description: Description, calls: Calls, store: Arc<Store>) -> Arc<Self> {
+    pub(super) fn new(description: Description, calls: Box<dyn Calls>, store: Arc<Store>) -> Arc<Self> {
         Arc::new(Self { description, calls, _store: store })
     }
 
@@ -47,43 +60,12 @@ impl Plugin {
         types.collect()
     }
 
-    /// The library, loaded when it is first needed.
-    fn library(&self) -> Result<Option<&Library>> {
-        let Calls::Here { copy, library } = &self.calls else { return Ok(None) };
-        let loaded = library.get_or_init(|| {
-            let library = Library::load(copy)?;
-            if library.spec != self.description.spec {
-                return Err("it describes itself otherwise than when it was scanned".into());
-            }
-            Ok(library)
-        });
-        loaded.as_ref().map(Some).map_err(|reason| defect(format!("the plugin: {reason}")))
-    }
-
-    fn spec(&self, node: u32) -> Option<&NodeSpec> {
-        self.description.spec.nodes.get(node as usize)
-    }
-
     fn check(&self, node: u32, values: &[ParamValue]) -> Result<()> {
-        if !self.description.checks {
-            return Ok(());
-        }
-        match (&self.calls, self.library()?) {
-            (_, Some(library)) => library.check(node, values),
-            (Calls::Apart(workers), None) => workers.check(node, values),
-            (Calls::Here { .. }, None) => Ok(()),
-        }
+        if self.description.checks { self.calls.check(node, values) } else { Ok(()) }
     }
 
     fn upgrade(&self, node: u32, from: u32, params: &mut RawParams) -> Result<()> {
-        if !self.description.upgrades {
-            return Ok(());
-        }
-        match (&self.calls, self.library()?) {
-            (_, Some(library)) => library.upgrade(node, from, params),
-            (Calls::Apart(workers), None) => workers.upgrade(node, from, params),
-            (Calls::Here { .. }, None) => Ok(()),
-        }
+        if self.description.upgrades { self.calls.upgrade(node, from, params) } else { Ok(()) }
     }
 }
 
@@ -96,36 +78,72 @@ struct PluginNode {
 
 impl Instance for PluginNode {
     fn run(&self, slots: &[Slot], job: &Job) -> Result<Vec<Value>> {
-        let Some(spec) = self.plugin.spec(self.node) else {
+        let Some(spec) = self.plugin.description.spec.nodes.get(self.node as usize) else {
             return Err(defect("the plugin has no such node"));
         };
-        match (&self.plugin.calls, self.plugin.library()?) {
-            (Calls::Apart(workers), _) => workers.run((self.node, spec), &self.values, slots, job),
-            (_, Some(library)) => library.run(self.node, &self.values, slots, job),
-            (Calls::Here { .. }, None) => Err(defect("the plugin is not loaded")),
-        }
+        self.plugin.calls.run((self.node, spec), &self.values, slots, job)
     }
 
     fn halo(&self, cell: CellSize) -> usize {
         if !self.plugin.description.tells_halo {
             return 0;
         }
-        match (&self.plugin.calls, self.plugin.library()) {
-            (Calls::Apart(workers), _) => workers.halo(self.node, &self.values, cell).unwrap_or(usize::MAX),
-            (_, Ok(Some(library))) => library.halo(self.node, &self.values, cell),
-            // Nothing is local to a node that cannot tell how far it looks.
-            _ => usize::MAX,
-        }
+        // Nothing is local to a node that cannot tell how far it looks.
+        self.plugin.calls.halo(self.node, &self.values, cell).unwrap_or(usize::MAX)
     }
 
     fn cost(&self) -> f64 {
         if !self.plugin.description.tells_cost {
             return 1.0;
         }
-        match (&self.plugin.calls, self.plugin.library()) {
-            (Calls::Apart(workers), _) => workers.cost(self.node, &self.values).unwrap_or(1.0),
-            (_, Ok(Some(library))) => library.cost(self.node, &self.values),
-            _ => 1.0,
-        }
+        self.plugin.calls.cost(self.node, &self.values).unwrap_or(1.0)
+    }
+}
+
+/// Calls into a library in this process, which is loaded when it is first needed.
+pub(super) struct Here {
+    copy: PathBuf,
+    scanned: PluginSpec,
+    library: OnceLock<Result<Library, String>>,
+}
+
+impl Here {
+    pub(super) fn new(copy: PathBuf, scanned: PluginSpec) -> Self {
+        Self { copy, scanned, library: OnceLock::new() }
+    }
+
+    fn library(&self) -> Result<&Library> {
+        let loaded = self.library.get_or_init(|| {
+            let library = Library::load(&self.copy)?;
+            if library.spec != self.scanned {
+                return Err("it describes itself otherwise than when it was scanned".into());
+            }
+            Ok(library)
+        });
+        loaded.as_ref().map_err(|reason| defect(format!("the plugin: {reason}")))
+    }
+}
+
+impl Calls for Here {
+    fn run(
+        &self,
+        (node, _): (u32, &NodeSpec),
+        params: &[ParamValue],
+        slots: &[Slot],
+        job: &Job,
+    ) -> Result<Vec<Value>> {
+        self.library()?.run(node, params, slots, job)
+    }
+    fn check(&self, node: u32, params: &[ParamValue]) -> Result<()> {
+        self.library()?.check(node, params)
+    }
+    fn halo(&self, node: u32, params: &[ParamValue], cell: CellSize) -> Result<usize> {
+        Ok(self.library()?.halo(node, params, cell))
+    }
+    fn cost(&self, node: u32, params: &[ParamValue]) -> Result<f64> {
+        Ok(self.library()?.cost(node, params))
+    }
+    fn upgrade(&self, node: u32, from: u32, params: &mut RawParams) -> Result<()> {
+        self.library()?.upgrade(node, from, params)
     }
 }

@@ -1,6 +1,6 @@
 //! Values and parameters as borrowed views.
 
-use std::{any::Any, ffi::c_void, ptr};
+use std::{any::Any, ffi::c_void, marker::PhantomData, ptr};
 
 use orograph_core::{
     Cells, FeatureKind, Features, Grid, Kind, Mesh, ParamValue, Placement, PointKind, Points, Raster, Slot,
@@ -9,13 +9,14 @@ use orograph_core::{
 
 use crate::types::*;
 
-/// Keeps what views point to. The views are good for as long as it and the values lent through it are.
+/// Keeps what views point to. The views are good for as long as it is; the values lent through it outlive it.
 ///
 /// Cells, coordinates and other plain columns are lent in place; only what Rust lays out in its own way is copied.
 #[derive(Default)]
-pub struct Lender {
+pub struct Lender<'a> {
     // Moving a vector does not move what it holds.
     kept: Vec<Box<dyn Any + Send + Sync>>,
+    lent: PhantomData<&'a ()>,
 }
 
 /// Pointers into boxes that are kept beside them, and read alone.
@@ -25,7 +26,7 @@ unsafe impl<T> Send for Kept<T> {}
 // SAFETY: as above.
 unsafe impl<T> Sync for Kept<T> {}
 
-impl Lender {
+impl<'a> Lender<'a> {
     /// A lender that has lent nothing.
     #[must_use]
     pub fn new() -> Self {
@@ -43,11 +44,11 @@ impl Lender {
     }
 
     /// Input ports.
-    pub fn inputs(&mut self, slots: &[Slot]) -> Vec<OrographInput> {
+    pub fn inputs(&mut self, slots: &'a [Slot]) -> Vec<OrographInput> {
         slots
             .iter()
             .map(|slot| {
-                let values: &[Value] = match slot {
+                let values: &'a [Value] = match slot {
                     Slot::Empty => &[],
                     Slot::One(value) => std::slice::from_ref(value),
                     Slot::Many(values) => values,
@@ -59,7 +60,7 @@ impl Lender {
     }
 
     /// A value.
-    pub fn value(&mut self, value: &Value) -> OrographValue {
+    pub fn value(&mut self, value: &'a Value) -> OrographValue {
         let of = |kind, data| OrographValue { kind, reserved: 0, data };
         match value {
             Value::Heightfield(raster) => of(OROGRAPH_HEIGHTFIELD, self.raster(raster)),
@@ -110,14 +111,14 @@ impl Lender {
         self.keep(view)
     }
 
-    fn raster<K: Kind>(&mut self, raster: &Raster<K>) -> OrographData {
+    fn raster<K: Kind>(&mut self, raster: &'a Raster<K>) -> OrographData {
         let grid = self.grid(raster.grid());
         let cells = raster.cells().as_ptr().cast::<c_void>();
         let view = OrographRaster { size: size(size_of::<OrographRaster>()), reserved: 0, grid, cells };
         OrographData { raster: self.keep(view) }
     }
 
-    fn features(&mut self, features: &Features) -> OrographFeatures {
+    fn features(&mut self, features: &'a Features) -> OrographFeatures {
         let points = features.points.iter().map(|point| OrographFeaturePoint {
             row: point.row,
             col: point.col,
@@ -156,7 +157,7 @@ impl Lender {
         }
     }
 
-    fn points(&mut self, points: &Points) -> OrographPoints {
+    fn points(&mut self, points: &'a Points) -> OrographPoints {
         let (x, y, heights) = points.columns();
         OrographPoints {
             size: size(size_of::<OrographPoints>()),
@@ -168,7 +169,7 @@ impl Lender {
         }
     }
 
-    fn placement(&mut self, placement: &Placement) -> OrographPlacement {
+    fn placement(&mut self, placement: &'a Placement) -> OrographPlacement {
         let patches = placement.patches.iter().map(|patch| OrographPatch {
             exemplar: patch.exemplar,
             window: patch.size,
@@ -195,7 +196,7 @@ impl Lender {
         }
     }
 
-    fn table(&mut self, table: &Table) -> OrographTable {
+    fn table(&mut self, table: &'a Table) -> OrographTable {
         let columns = table
             .columns()
             .iter()
@@ -221,7 +222,7 @@ impl Lender {
     }
 
     /// Parameters.
-    pub fn params(&mut self, values: &[ParamValue]) -> Vec<OrographParam> {
+    pub fn params(&mut self, values: &'a [ParamValue]) -> Vec<OrographParam> {
         let of = |kind, value| OrographParam { kind, reserved: 0, value };
         values
             .iter()

@@ -26,7 +26,7 @@ use super::{
     message::{Ask, Fault, Hello, Port, Task, Tell, receive, send},
     shared::{SharedFile, Writer, take},
 };
-use crate::plugin::{host::defect, program::Program, scan::ending};
+use crate::plugin::{host::defect, node::Calls, program::Program, scan::ending};
 
 /// How often a waiting thread looks whether the run was cancelled.
 const LOOK: Duration = Duration::from_millis(10);
@@ -46,8 +46,30 @@ impl Workers {
         Self { library, program, limits, idle: Mutex::default() }
     }
 
-    /// Runs a node.
-    pub(in crate::plugin) fn run(
+    fn ask<T>(&self, ask: &Ask, read: impl FnOnce(Tell) -> Option<T>) -> Result<T> {
+        self.with_worker(|worker| {
+            let tell = worker.exchange(ask, None, &self.limits)?;
+            read(tell).ok_or_else(|| worker.confused())
+        })
+    }
+
+    /// Lends an idle worker, or a new one, and takes it back unless it is lost.
+    fn with_worker<T>(&self, act: impl FnOnce(&mut Worker) -> Result<T>) -> Result<T> {
+        let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
+        let mut worker = match idle {
+            Some(worker) => worker,
+            None => Worker::start(&self.library, &self.program, &self.limits)?,
+        };
+        let result = act(&mut worker);
+        if !worker.lost {
+            self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
+        }
+        result
+    }
+}
+
+impl Calls for Workers {
+    fn run(
         &self,
         (node, spec): (u32, &NodeSpec),
         params: &[ParamValue],
@@ -96,28 +118,28 @@ impl Workers {
         })
     }
 
-    pub(in crate::plugin) fn check(&self, node: u32, params: &[ParamValue]) -> Result<()> {
+    fn check(&self, node: u32, params: &[ParamValue]) -> Result<()> {
         self.ask(&Ask::Check { node, params: params.to_vec() }, |tell| match tell {
             Tell::Checked(checked) => Some(checked.map_err(Fault::into_error)),
             _ => None,
         })?
     }
 
-    pub(in crate::plugin) fn halo(&self, node: u32, params: &[ParamValue], cell: CellSize) -> Result<usize> {
+    fn halo(&self, node: u32, params: &[ParamValue], cell: CellSize) -> Result<usize> {
         self.ask(&Ask::Halo { node, params: params.to_vec(), cell: (cell.x, cell.y) }, |tell| match tell {
             Tell::Halo(cells) => Some(usize::try_from(cells).unwrap_or(usize::MAX)),
             _ => None,
         })
     }
 
-    pub(in crate::plugin) fn cost(&self, node: u32, params: &[ParamValue]) -> Result<f64> {
+    fn cost(&self, node: u32, params: &[ParamValue]) -> Result<f64> {
         self.ask(&Ask::Cost { node, params: params.to_vec() }, |tell| match tell {
             Tell::Cost(cost) => Some(cost),
             _ => None,
         })
     }
 
-    pub(in crate::plugin) fn upgrade(&self, node: u32, from: u32, params: &mut RawParams) -> Result<()> {
+    fn upgrade(&self, node: u32, from: u32, params: &mut RawParams) -> Result<()> {
         let ask = Ask::Upgrade { node, from, params: params.0.clone() };
         let upgraded = self.ask(&ask, |tell| match tell {
             Tell::Upgraded(upgraded) => Some(upgraded.map_err(Fault::into_error)),
@@ -125,27 +147,6 @@ impl Workers {
         })?;
         params.0 = upgraded?;
         Ok(())
-    }
-
-    fn ask<T>(&self, ask: &Ask, read: impl FnOnce(Tell) -> Option<T>) -> Result<T> {
-        self.with_worker(|worker| {
-            let tell = worker.exchange(ask, None, &self.limits)?;
-            read(tell).ok_or_else(|| worker.confused())
-        })
-    }
-
-    /// Lends an idle worker, or a new one, and takes it back unless it is lost.
-    fn with_worker<T>(&self, act: impl FnOnce(&mut Worker) -> Result<T>) -> Result<T> {
-        let idle = self.idle.lock().unwrap_or_else(PoisonError::into_inner).pop();
-        let mut worker = match idle {
-            Some(worker) => worker,
-            None => Worker::start(&self.library, &self.program, &self.limits)?,
-        };
-        let result = act(&mut worker);
-        if !worker.lost {
-            self.idle.lock().unwrap_or_else(PoisonError::into_inner).push(worker);
-        }
-        result
     }
 }
 

@@ -5,38 +5,35 @@ use std::{io, path::PathBuf};
 use orograph_core::{CellSize, Error, Job, NodeSpec, ParamValue, RawParams, Result, Slot, Value};
 
 use super::Limits;
-use crate::plugin::program::Program;
+use crate::plugin::{node::Calls, program::Program};
 
 pub(in crate::plugin) struct Workers;
 
-fn refusal() -> Error {
-    Error::invalid("plugins run apart on Unix systems alone", "run it without `--isolate`")
+fn refusal<T>() -> Result<T> {
+    Err(Error::invalid("plugins run apart on Unix systems alone", "run it without `--isolate`"))
 }
 
 impl Workers {
     pub(in crate::plugin) fn new(_: PathBuf, _: Program, _: Limits) -> Self {
         Self
     }
-    pub(in crate::plugin) fn run(
-        &self,
-        _: (u32, &NodeSpec),
-        _: &[ParamValue],
-        _: &[Slot],
-        _: &Job,
-    ) -> Result<Vec<Value>> {
-        Err(refusal())
+}
+
+impl Calls for Workers {
+    fn run(&self, _: (u32, &NodeSpec), _: &[ParamValue], _: &[Slot], _: &Job) -> Result<Vec<Value>> {
+        refusal()
     }
-    pub(in crate::plugin) fn check(&self, _: u32, _: &[ParamValue]) -> Result<()> {
-        Err(refusal())
+    fn check(&self, _: u32, _: &[ParamValue]) -> Result<()> {
+        refusal()
     }
-    pub(in crate::plugin) fn halo(&self, _: u32, _: &[ParamValue], _: CellSize) -> Result<usize> {
-        Err(refusal())
+    fn halo(&self, _: u32, _: &[ParamValue], _: CellSize) -> Result<usize> {
+        refusal()
     }
-    pub(in crate::plugin) fn cost(&self, _: u32, _: &[ParamValue]) -> Result<f64> {
-        Err(refusal())
+    fn cost(&self, _: u32, _: &[ParamValue]) -> Result<f64> {
+        refusal()
     }
-    pub(in crate::plugin) fn upgrade(&self, _: u32, _: u32, _: &mut RawParams) -> Result<()> {
-        Err(refusal())
+    fn upgrade(&self, _: u32, _: u32, _: &mut RawParams) -> Result<()> {
+        refusal()
     }
 }
 
