@@ -8,10 +8,11 @@ mod support;
 
 use std::{
     process::Command,
+    sync::Arc,
     time::{Duration, Instant},
 };
 
-use orograph_core::{Job, Slot, Value};
+use orograph_core::{CellSize, Grid, Heightfield, Job, Slot, Value};
 use orograph_engine::{
     Registry,
     plugin::{Plugins, Program},
@@ -142,7 +143,9 @@ fn every_type_crosses_to_the_bit_here_and_apart() {
         let mut registry = Registry::default();
         let found = plugins.register(std::slice::from_ref(&library), &mut registry, &|_| apart);
         assert!(found[0].outcome.is_ok(), "{found:?}");
-        for value in orograph_contract::samples() {
+        let empty = Grid::new(0, 3, CellSize::square(30.0)).unwrap();
+        let empty = Value::Heightfield(Arc::new(Heightfield::new(empty, Vec::new()).unwrap()));
+        for value in orograph_contract::samples().into_iter().chain([empty]) {
             let id = format!("echo.{}", value.value_type().to_string().to_lowercase());
             let node = registry.get(&id).unwrap().instantiate(&[]).unwrap();
             let one = Slot::One(value.clone());

@@ -64,8 +64,7 @@ impl<'a> Writer<'a> {
     pub(super) fn put(&mut self, value: &Value) -> io::Result<Span> {
         let encoded = value.encode();
         let (head, head_len) = (self.end, encoded.head.len() as u64);
-        let end = head + head_len;
-        let payload = if encoded.payload.is_empty() { end } else { end.next_multiple_of(BOUNDARY) };
+        let payload = (head + head_len).next_multiple_of(BOUNDARY);
         self.file.write_all_at(&encoded.head, head)?;
         encoded
             .payload
@@ -83,7 +82,9 @@ pub(super) fn take(file: &File, span: Span, job: &Job) -> NodeResult<Value> {
     let broken = || defect("the plugin's process gave an output that cannot be read");
     let len = file.metadata().map_err(|_| broken())?.len();
     let inside = |start: u64, bytes: u64| start.checked_add(bytes).is_some_and(|end| end <= len);
-    if !inside(span.head, span.head_len) || !inside(span.payload, span.payload_len) {
+    // Where there are no cells, the file may end before they would begin.
+    let cells_inside = span.payload_len == 0 || inside(span.payload, span.payload_len);
+    if !inside(span.head, span.head_len) || !cells_inside {
         return Err(broken());
     }
     job.admit(span.head_len.saturating_add(span.payload_len), || "an output of the plugin".into())?;
