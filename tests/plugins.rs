@@ -52,6 +52,19 @@ fn unsound_plugins_are_refused_with_the_reason_and_nothing_else_suffers() {
             .unwrap();
         }
     }
+    #[cfg(target_os = "linux")]
+    {
+        // Bytes 18 and 19 of an ELF file name its machine; 243 is RISC-V.
+        let mut foreign = std::fs::read(place.path("plugins/empty.so")).unwrap();
+        foreign[18..20].copy_from_slice(&[243, 0]);
+        place.write("plugins/foreign.so", foreign);
+        let ended = place.ok("plugin list --plugins plugins");
+        let line = ended.out.lines().find(|line| line.contains("foreign.so"));
+        assert!(
+            line.is_some_and(|line| line.contains("it is built for another machine: Riscv64")),
+            "{line:?}"
+        );
+    }
     place.write(&format!("plugins/text.{}", std::env::consts::DLL_EXTENSION), "no library");
     place.write("plugins/readme.txt", "no plugin either");
     let ended = place.ok("plugin list --plugins plugins");
