@@ -10,6 +10,7 @@ pub mod graph;
 pub mod manual;
 pub mod plugin;
 pub mod registry;
+mod whole;
 
 pub use cache::{Cache, DiskTier};
 pub use compile::{CompileOptions, Compiled, ExposedParam, compile, expand_path};
@@ -17,3 +18,4 @@ pub use document::{Document, DocumentError, DocumentErrors};
 pub use eval::{CancelToken, Evaluator, Observer, Outcome, Report, Request};
 pub use graph::{Graph, GraphBuilder, GraphError, GraphNode, NodeId, OutputRef};
 pub use registry::Registry;
+pub use whole::{save_whole, write_whole};

@@ -78,28 +78,8 @@ impl Value {
     /// # Errors
     /// [`CodecError`] when they are none; no memory is taken beyond the length of `bytes`.
     pub fn decode(bytes: &[u8]) -> Result<Self, CodecError> {
-        let (&tag, rest) = bytes.split_first().ok_or(CodecError::Length)?;
-        let (len, rest) = rest.split_first_chunk::<8>().ok_or(CodecError::Length)?;
-        let len = usize::try_from(u64::from_le_bytes(*len)).map_err(|_| CodecError::Length)?;
-        let (header, payload) = rest.split_at_checked(len).ok_or(CodecError::Length)?;
-        if tag > 2 && !payload.is_empty() {
-            return Err(CodecError::Length);
-        }
-        Ok(match tag {
-            0 => Self::Heightfield(Arc::new(decode_raster(header, payload)?)),
-            1 => Self::Mask(Arc::new(decode_raster(header, payload)?)),
-            2 => Self::Texture(Arc::new(decode_raster(header, payload)?)),
-            3 => Self::Features(Arc::new(plain(header)?)),
-            4 => Self::Points(Arc::new(plain(header)?)),
-            5 => Self::Placement(Arc::new(plain(header)?)),
-            6 => Self::Table(Arc::new(plain(header)?)),
-            7 => Self::Mesh(Arc::new(plain(header)?)),
-            8 => Self::Number(plain(header)?),
-            9 => Self::Integer(plain(header)?),
-            10 => Self::Boolean(plain(header)?),
-            11 => Self::Text(plain(header)?),
-            other => return Err(CodecError::Tag(other)),
-        })
+        let (tag, header, payload) = split(bytes)?;
+        Self::of_parts(tag, header, Copied(payload))
     }
 
     /// As [`decode`](Self::decode), from a head and a payload that lie apart; the cells of a raster are read where they
@@ -109,18 +89,7 @@ impl Value {
     /// [`CodecError`]; also when the payload is not aligned for its cells.
     pub fn decode_lent(head: &[u8], payload: &'static [u8]) -> Result<Self, CodecError> {
         let (tag, header) = split_head(head)?;
-        fn lent<K: Kind>(header: &[u8], payload: &'static [u8]) -> Result<Arc<Raster<K>>, CodecError> {
-            let cells = bytemuck::try_cast_slice(payload).map_err(|_| CodecError::Length)?;
-            let grid = sound_grid::<K>(header, payload.len())?;
-            Raster::lent(grid, cells).map(Arc::new).map_err(|_| CodecError::Length)
-        }
-        match tag {
-            0 => lent(header, payload).map(Self::Heightfield),
-            1 => lent(header, payload).map(Self::Mask),
-            2 => lent(header, payload).map(Self::Texture),
-            _ if payload.is_empty() => Self::decode(head),
-            _ => Err(CodecError::Length),
-        }
+        Self::of_parts(tag, header, Lent(payload))
     }
 
     /// As [`decode`](Self::decode), from a head and a payload of `len` bytes that `fill` brings.
@@ -133,21 +102,26 @@ impl Value {
         fill: impl FnOnce(&mut [u8]) -> bool,
     ) -> Result<Self, CodecError> {
         let (tag, header) = split_head(head)?;
-        fn filled<K: Kind>(
-            header: &[u8],
-            len: usize,
-            fill: impl FnOnce(&mut [u8]) -> bool,
-        ) -> Result<Arc<Raster<K>>, CodecError> {
-            let grid = sound_grid::<K>(header, len)?;
-            Raster::of_filled(grid, fill).map(Arc::new).ok_or(CodecError::Length)
-        }
-        match tag {
-            0 => filled(header, len, fill).map(Self::Heightfield),
-            1 => filled(header, len, fill).map(Self::Mask),
-            2 => filled(header, len, fill).map(Self::Texture),
-            _ if len == 0 => Self::decode(head),
-            _ => Err(CodecError::Length),
-        }
+        Self::of_parts(tag, header, Filled { len, fill })
+    }
+
+    fn of_parts(tag: u8, header: &[u8], payload: impl Payload) -> Result<Self, CodecError> {
+        Ok(match tag {
+            0 => Self::Heightfield(raster(header, payload)?),
+            1 => Self::Mask(raster(header, payload)?),
+            2 => Self::Texture(raster(header, payload)?),
+            _ if payload.len() > 0 => return Err(CodecError::Length),
+            3 => Self::Features(Arc::new(plain(header)?)),
+            4 => Self::Points(Arc::new(plain(header)?)),
+            5 => Self::Placement(Arc::new(plain(header)?)),
+            6 => Self::Table(Arc::new(plain(header)?)),
+            7 => Self::Mesh(Arc::new(plain(header)?)),
+            8 => Self::Number(plain(header)?),
+            9 => Self::Integer(plain(header)?),
+            10 => Self::Boolean(plain(header)?),
+            11 => Self::Text(plain(header)?),
+            other => return Err(CodecError::Tag(other)),
+        })
     }
 
     /// The digest of the value's content.
@@ -212,27 +186,71 @@ fn plain<T: DeserializeOwned>(header: &[u8]) -> Result<T, CodecError> {
     }
 }
 
+/// Tag, header, and what follows them.
+fn split(bytes: &[u8]) -> Result<(u8, &[u8], &[u8]), CodecError> {
+    let (&tag, rest) = bytes.split_first().ok_or(CodecError::Length)?;
+    let (len, rest) = rest.split_first_chunk::<8>().ok_or(CodecError::Length)?;
+    let len = usize::try_from(u64::from_le_bytes(*len)).map_err(|_| CodecError::Length)?;
+    let (header, payload) = rest.split_at_checked(len).ok_or(CodecError::Length)?;
+    Ok((tag, header, payload))
+}
+
+/// Tag and header of a head that nothing follows.
 fn split_head(head: &[u8]) -> Result<(u8, &[u8]), CodecError> {
-    let (&tag, rest) = head.split_first().ok_or(CodecError::Length)?;
-    let (len, header) = rest.split_first_chunk::<8>().ok_or(CodecError::Length)?;
-    if u64::from_le_bytes(*len) != header.len() as u64 {
+    match split(head)? {
+        (tag, header, []) => Ok((tag, header)),
+        _ => Err(CodecError::Length),
+    }
+}
+
+/// Where the cells of a raster come from.
+trait Payload {
+    /// How many bytes they are.
+    fn len(&self) -> usize;
+    /// The raster of a grid that has as many.
+    fn raster<K: Kind>(self, grid: Grid) -> Option<Raster<K>>;
+}
+
+struct Copied<'a>(&'a [u8]);
+struct Lent(&'static [u8]);
+struct Filled<F> {
+    len: usize,
+    fill: F,
+}
+
+impl Payload for Copied<'_> {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn raster<K: Kind>(self, grid: Grid) -> Option<Raster<K>> {
+        Raster::of_bytes(grid, self.0)
+    }
+}
+
+impl Payload for Lent {
+    fn len(&self) -> usize {
+        self.0.len()
+    }
+    fn raster<K: Kind>(self, grid: Grid) -> Option<Raster<K>> {
+        Raster::lent(grid, bytemuck::try_cast_slice(self.0).ok()?).ok()
+    }
+}
+
+impl<F: FnOnce(&mut [u8]) -> bool> Payload for Filled<F> {
+    fn len(&self) -> usize {
+        self.len
+    }
+    fn raster<K: Kind>(self, grid: Grid) -> Option<Raster<K>> {
+        Raster::of_filled(grid, self.fill)
+    }
+}
+
+fn raster<K: Kind>(header: &[u8], payload: impl Payload) -> Result<Arc<Raster<K>>, CodecError> {
+    let grid: Grid = plain(header)?;
+    if !Raster::<K>::takes(&grid, payload.len()) {
         return Err(CodecError::Length);
     }
-    Ok((tag, header))
-}
-
-/// The grid of a raster whose cells take `bytes`.
-fn sound_grid<K: Kind>(header: &[u8], bytes: usize) -> Result<Grid, CodecError> {
-    let grid: Grid = plain(header)?;
-    // The grid may come from anywhere: its size may not even be a number.
-    let cells = grid.rows.checked_mul(grid.cols);
-    let wanted = cells.and_then(|cells| cells.checked_mul(size_of::<K::Cell>()));
-    if wanted == Some(bytes) { Ok(grid) } else { Err(CodecError::Length) }
-}
-
-fn decode_raster<K: Kind>(header: &[u8], payload: &[u8]) -> Result<Raster<K>, CodecError> {
-    let grid: Grid = plain(header)?;
-    Raster::of_bytes(grid, payload).ok_or(CodecError::Length)
+    payload.raster(grid).map(Arc::new).ok_or(CodecError::Length)
 }
 
 #[cfg(test)]

@@ -114,7 +114,9 @@ impl<'a> Job<'a> {
 
     /// Tells something to who watches the run. It is not kept with the outputs.
     pub fn note(&self, message: impl AsRef<str>) {
-        self.host.note(message.as_ref());
+        if !self.silent {
+            self.host.note(message.as_ref());
+        }
     }
 
     /// Most bytes that one value may take.
@@ -208,5 +210,59 @@ impl Job<'static> {
     #[must_use]
     pub fn detached() -> Self {
         Job::new(&DetachedHost, Context::default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use std::sync::Mutex;
+
+    use super::*;
+
+    /// Hears everything.
+    #[derive(Default)]
+    struct Ear(Mutex<Vec<String>>);
+
+    impl Ear {
+        fn hear(&self, what: &str) {
+            self.0.lock().unwrap().push(what.to_owned());
+        }
+    }
+
+    impl Host for Ear {
+        fn cancelled(&self) -> bool {
+            true
+        }
+        fn progress(&self, _: f64) {
+            self.hear("progress");
+        }
+        fn warn(&self, message: &str) {
+            self.hear(message);
+        }
+        fn note(&self, message: &str) {
+            self.hear(message);
+        }
+        fn memory_limit(&self) -> u64 {
+            0
+        }
+        fn input_path(&self, path: &str) -> Result<PathBuf> {
+            DetachedHost.input_path(path)
+        }
+        fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
+            DetachedHost.create(path)
+        }
+    }
+
+    #[test]
+    fn nothing_is_heard_of_a_silent_job_but_it_can_be_cancelled() {
+        let ear = Ear::default();
+        let job = Job::new(&ear, Context::default());
+        for job in [job, job.silent()] {
+            job.stage(1).advance(1);
+            job.warn("a warning");
+            job.note("a note");
+            assert_eq!(job.check(), Err(Error::Cancelled));
+        }
+        assert_eq!(*ear.0.lock().unwrap(), ["progress", "a warning", "a note"]);
     }
 }

@@ -157,10 +157,14 @@ impl<K: Kind> Raster<K> {
     /// many, or the memory is lacking.
     #[must_use]
     pub fn of_bytes(grid: Grid, bytes: &[u8]) -> Option<Self> {
-        // The grid may come from anywhere: its size may not even be a number.
-        let wanted = grid.rows.checked_mul(grid.cols)?.checked_mul(size_of::<K::Cell>())?;
-        (wanted == bytes.len()).then_some(())?;
+        Self::takes(&grid, bytes.len()).then_some(())?;
         Some(Self { grid, cells: Buffer::of_bytes(bytes)? })
+    }
+
+    /// Whether the cells of `grid` take so many bytes. It may come from anywhere: its size may not even be a number.
+    pub(crate) fn takes(grid: &Grid, bytes: usize) -> bool {
+        let cells = grid.rows.checked_mul(grid.cols);
+        cells.and_then(|cells| cells.checked_mul(size_of::<K::Cell>())) == Some(bytes)
     }
 
     /// A raster whose cells' bytes `fill` brings; `None` where the memory is lacking or `fill` gives `false`.

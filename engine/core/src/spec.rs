@@ -52,6 +52,16 @@ impl NodeSpec {
     pub fn summary(&self) -> String {
         first_sentence(&self.doc)
     }
+
+    /// The parameters that name files to read, by index, with the names that `values`, in the spec's order, give.
+    pub fn input_files<'a>(&self, values: &'a [ParamValue]) -> impl Iterator<Item = (usize, &'a str)> {
+        self.params.iter().zip(values).enumerate().filter_map(|(index, pair)| match pair {
+            (ParamSpec { kind: ParamKind::InputPath, .. }, ParamValue::Text(name)) => {
+                Some((index, name.as_str()))
+            }
+            _ => None,
+        })
+    }
 }
 
 /// First sentence of a doc text, on one line.

@@ -5,8 +5,7 @@
 //! is an error to the run: a write that fails turns writing off, with the reason kept for one warning.
 
 use std::{
-    fs,
-    io::{self, Write},
+    fs, io,
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
     time::{Duration, SystemTime},
@@ -16,6 +15,7 @@ use orograph_core::{Digest, Encoded, Value};
 use serde::{Serialize, de::DeserializeOwned};
 
 use super::Record;
+use crate::whole::write_whole;
 
 /// Raised whenever the layout or the byte form of anything stored changes; older folders are then unused.
 const LAYOUT: &str = "v1";
@@ -95,11 +95,9 @@ impl DiskTier {
         let tag = tier.root.join("CACHEDIR.TAG");
         if !tag.exists() {
             // The signature that backup programs look for: whole, or they would not know it.
-            let mut file = tempfile::NamedTempFile::new_in(tier.temporary())?;
-            file.write_all(
-                b"Signature: 8a477f597d28d172789f06886806bc55\n# Orograph's cache: safe to delete.\n",
-            )?;
-            file.persist(tag)?;
+            const TEXT: &[u8] =
+                b"Signature: 8a477f597d28d172789f06886806bc55\n# Orograph's cache: safe to delete.\n";
+            write_whole(&tier.temporary(), &tag, &[TEXT])?;
         }
         Ok(tier)
     }
@@ -204,18 +202,7 @@ impl DiskTier {
         if !self.writable() {
             return false;
         }
-        let attempt = || -> io::Result<()> {
-            let mut file = tempfile::NamedTempFile::new_in(self.temporary())?;
-            for part in parts {
-                file.write_all(part)?;
-            }
-            if let Some(parent) = path.parent() {
-                fs::create_dir_all(parent)?;
-            }
-            file.persist(path)?;
-            Ok(())
-        };
-        match attempt() {
+        match write_whole(&self.temporary(), path, parts) {
             Ok(()) => true,
             Err(error) => {
                 let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use orograph_core::{Context, Digest, Hasher, ParamKind, ParamValue};
+use orograph_core::{Context, Digest, Hasher, ParamValue};
 use serde::{Deserialize, Serialize};
 
 use super::key::{NodeKey, companions, visible_context};
@@ -35,16 +35,16 @@ impl Print {
             resolution: context.resolution,
             ..Self::default()
         };
-        for (param, value) in spec.params.iter().zip(values) {
-            if let (ParamKind::InputPath, ParamValue::Text(text)) = (&param.kind, value)
-                && let Ok(path) = node.input_path(text)
+        for (_, text) in node.input_files() {
+            if let Ok(path) = node.input_path(text)
                 && let Ok(digest) = cache.file_digest(&path)
             {
-                print.files.push((text.clone(), digest));
+                print.files.push((text.to_owned(), digest));
                 print.files.extend(companions(node, &path, cache).unwrap_or_default());
             }
-            print.params.push((param.name.to_string(), brief(value)));
         }
+        let params = spec.params.iter().zip(values);
+        print.params = params.map(|(param, value)| (param.name.to_string(), brief(value))).collect();
         for (port, wires) in spec.inputs.iter().zip(&node.inputs) {
             let mut hasher = Hasher::new("orograph wires");
             let mut known = true;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use orograph_core::{Context, ContextItem, Digest, Error, Hasher, ParamKind, ParamValue};
+use orograph_core::{Context, ContextItem, Digest, Error, Hasher};
 
 use crate::{
     cache::{Cache, files::is_there},
@@ -76,18 +76,16 @@ pub(crate) fn action_key(settings: &Digest, inputs: &[Vec<Digest>]) -> Digest {
 
 /// The node's own part of its keys: what the graph fixed, and the content of files and the context of this run.
 fn settings_key(node: &GraphNode, context: Context, cache: &Cache) -> (Digest, Option<Error>) {
-    let (spec, values, fixed) = match &node.action {
-        Action::Run { node_type, values, fixed, .. } => (node_type.spec(), values, *fixed),
+    let (spec, fixed) = match &node.action {
+        Action::Run { node_type, fixed, .. } => (node_type.spec(), *fixed),
         Action::Missing(missing) => {
             let message = format!("no node type `{}` is known here", missing.id);
             return (Digest([0; 32]), Some(Error::invalid(message, missing.reason.clone())));
         }
     };
-    let files = spec.params.iter().zip(values).filter(|(param, _)| param.kind == ParamKind::InputPath);
     let mut hasher = None;
     let mut error = None;
-    for (param, value) in files {
-        let ParamValue::Text(text) = value else { continue };
+    for (param, text) in node.input_files() {
         // A file counts by its content and its name, which some formats read meaning from; not by its folder.
         match file_key(node, &param.name, text, cache) {
             Ok(files) => {

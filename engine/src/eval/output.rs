@@ -15,9 +15,12 @@ use std::{
 use orograph_core::{Error, OutputStream, Result};
 use tempfile::NamedTempFile;
 
-use crate::cache::{
-    WrittenFile,
-    files::{digest_of, digest_of_file},
+use crate::{
+    cache::{
+        WrittenFile,
+        files::{digest_of, digest_of_file},
+    },
+    whole::plain,
 };
 
 /// Begins and ends the name of a file under way.
@@ -146,14 +149,6 @@ fn remove_abandoned(folder: &Path) {
         {
             let _ = fs::remove_file(entry.path());
         }
-    }
-}
-
-/// What the system said, without the temporary name that `tempfile` adds.
-fn plain(error: io::Error) -> io::Error {
-    match error.raw_os_error() {
-        Some(code) => io::Error::from_raw_os_error(code),
-        None => io::Error::from(error.kind()),
     }
 }
 

@@ -8,7 +8,9 @@ use std::{
 };
 
 use indexmap::IndexMap;
-use orograph_core::{Digest, Error, Instance, NodeSpec, NodeType, ParamKind, ParamValue, ValueType};
+use orograph_core::{
+    Digest, Error, Instance, NodeSpec, NodeType, ParamKind, ParamSpec, ParamValue, ValueType,
+};
 
 pub use builder::GraphBuilder;
 
@@ -90,11 +92,20 @@ impl GraphNode {
     #[must_use]
     pub fn base_dir(&self, text: &str) -> &Path {
         let Action::Run { node_type, values, .. } = &self.action else { return Path::new("") };
-        let params = node_type.spec().params.iter().zip(values).zip(&self.base_dirs);
-        params
-            .filter(|((spec, _), _)| spec.kind == ParamKind::InputPath)
-            .find(|((_, value), _)| matches!(value, ParamValue::Text(path) if path == text))
-            .map_or(Path::new(""), |(_, base_dir)| base_dir)
+        let named = node_type.spec().input_files(values).find(|(_, name)| *name == text);
+        named.and_then(|(param, _)| self.base_dirs.get(param)).map_or(Path::new(""), |base_dir| base_dir)
+    }
+
+    /// The files that it reads: each parameter that names one, and the name, which
+    /// [`input_path`](Self::input_path) takes.
+    pub fn input_files(&self) -> impl Iterator<Item = (&ParamSpec, &str)> {
+        let run = match &self.action {
+            Action::Run { node_type, values, .. } => Some((node_type.spec(), values)),
+            Action::Missing(_) => None,
+        };
+        run.into_iter().flat_map(|(spec, values)| {
+            spec.input_files(values).map(|(param, name)| (&spec.params[param], name))
+        })
     }
 
     /// Where the file that `text` among the settings names lies, with variables of the environment filled in.

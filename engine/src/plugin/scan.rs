@@ -13,6 +13,7 @@ use orograph_core::Digest;
 use serde::{Deserialize, Serialize};
 
 use super::{examine::examine, library::Library, program::Program, store::Store};
+use crate::whole::write_whole;
 
 /// How long a plugin may take to say what it is.
 const PATIENCE: Duration = Duration::from_secs(10);
@@ -65,14 +66,12 @@ pub(super) struct Scanned {
 /// # Errors
 /// When the file or the store cannot be read or written.
 pub(super) fn scan(path: &Path, store: &Store, program: &Program, again: bool) -> io::Result<Scanned> {
-    let bytes = fs::read(path)?;
-    let digest = Digest::of_large(&bytes);
-    let copy = store.copy(&digest, path, &bytes)?;
+    let (digest, copy) = store.copy(path, again)?;
     let known = if again { None } else { store.scan(&digest) };
     let scan = match known {
         Some(scan) => scan,
         None => {
-            let scan = match examine(&bytes) {
+            let scan = match examine(&fs::read(&copy)?) {
                 Ok(()) => in_child(&copy, program)?,
                 Err(reason) => Scan::Refused(reason),
             };
@@ -124,9 +123,7 @@ pub(super) fn serve(library: &Path, result: &Path) -> io::Result<()> {
         Err(reason) => Scan::Refused(reason),
     };
     let text = ron::to_string(&scan).map_err(io::Error::other)?;
-    let unfinished = result.with_extension("part");
-    fs::write(&unfinished, text)?;
-    fs::rename(unfinished, result)
+    write_whole(result.parent().unwrap_or(Path::new("")), result, &[text.as_bytes()])
 }
 
 /// How a process ended, in words.

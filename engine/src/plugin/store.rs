@@ -4,21 +4,26 @@
 //! program, and the next run loads the new content beside the old.
 
 use std::{
-    fs,
-    io::{self, Write},
+    fs, io,
     path::{Path, PathBuf},
 };
 
 use orograph_abi::{OROGRAPH_ABI_MAJOR, OROGRAPH_ABI_MINOR};
 use orograph_core::Digest;
-use tempfile::{NamedTempFile, TempDir};
+use tempfile::TempDir;
 
 use super::scan::Scan;
-use crate::cache::plugin_shelf;
+use crate::{
+    cache::{DiskTier, FileDigests, plugin_shelf},
+    whole::{save_whole, write_whole},
+};
 
 /// A folder of copies and scans. It may go at any time: everything in it is made again.
 pub(super) struct Store {
     root: PathBuf,
+    /// The cache folder that it lies in, which remembers digests of files.
+    cache: Option<DiskTier>,
+    digests: FileDigests,
     /// Where there is no cache folder, it lasts as long as this.
     _own: Option<TempDir>,
 }
@@ -29,27 +34,41 @@ impl Store {
     /// # Errors
     /// When no folder can be made at all.
     pub(super) fn open(cache: Option<&Path>) -> io::Result<Self> {
-        if let Some(cache) = cache {
-            let root = plugin_shelf(cache);
-            if fs::create_dir_all(&root).is_ok() {
-                return Ok(Self { root, _own: None });
-            }
+        let digests = FileDigests::default();
+        if let Some(folder) = cache
+            && let Ok(cache) = DiskTier::open(folder)
+        {
+            return Ok(Self { root: plugin_shelf(folder), cache: Some(cache), digests, _own: None });
         }
         let own = tempfile::tempdir()?;
-        Ok(Self { root: own.path().to_owned(), _own: Some(own) })
+        Ok(Self { root: own.path().to_owned(), cache: None, digests, _own: Some(own) })
     }
 
-    /// The copy of a library with this content.
-    pub(super) fn copy(&self, digest: &Digest, path: &Path, bytes: &[u8]) -> io::Result<PathBuf> {
+    /// The digest of the library at `path` and the copy of that content. Unless `again`, both are told apart from others
+    /// by path, size and time of change, as every file is that a node reads: whatever became of the library unseen,
+    /// what is loaded and what keys name are the same copy.
+    pub(super) fn copy(&self, path: &Path, again: bool) -> io::Result<(Digest, PathBuf)> {
         let name = path.file_name().ok_or_else(|| io::Error::from(io::ErrorKind::InvalidFilename))?;
-        let folder = self.root.join(digest.to_string());
-        let copy = folder.join(name);
-        if fs::read(&copy).is_ok_and(|there| there == bytes) {
-            return Ok(copy);
+        let place = |digest: &Digest| self.root.join(digest.to_string()).join(name);
+        if let Some(digest) = self.known_digest(path).filter(|_| !again) {
+            let copy = place(&digest);
+            if self.known_digest(&copy) == Some(digest) {
+                return Ok((digest, copy));
+            }
         }
-        fs::create_dir_all(&folder)?;
-        write_whole(&folder, &copy, bytes)?;
-        Ok(copy)
+        let bytes = fs::read(path)?;
+        let digest = Digest::of_large(&bytes);
+        let copy = place(&digest);
+        if fs::read(&copy).is_ok_and(|there| there == bytes) {
+            return Ok((digest, copy));
+        }
+        // It is not always read whole again, so it must not be lost in part either.
+        save_whole(&copy, &bytes)?;
+        Ok((digest, copy))
+    }
+
+    fn known_digest(&self, path: &Path) -> Option<Digest> {
+        self.digests.digest(path, Some(self.cache.as_ref()?)).ok()
     }
 
     pub(super) fn scan(&self, digest: &Digest) -> Option<Scan> {
@@ -60,19 +79,11 @@ impl Store {
     pub(super) fn put_scan(&self, digest: &Digest, scan: &Scan) {
         if let Ok(text) = ron::to_string(scan) {
             let path = self.scan_path(digest);
-            let _ = path.parent().map(|folder| write_whole(folder, &path, text.as_bytes()));
+            let _ = write_whole(path.parent().unwrap_or(&self.root), &path, &[text.as_bytes()]);
         }
     }
 
     fn scan_path(&self, digest: &Digest) -> PathBuf {
         self.root.join(digest.to_string()).join(format!("scan-{OROGRAPH_ABI_MAJOR}.{OROGRAPH_ABI_MINOR}.ron"))
     }
-}
-
-/// The whole file in its place at once.
-fn write_whole(folder: &Path, path: &Path, bytes: &[u8]) -> io::Result<()> {
-    let mut file = NamedTempFile::new_in(folder)?;
-    file.write_all(bytes)?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
 }

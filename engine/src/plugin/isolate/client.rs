@@ -17,9 +17,7 @@ use std::{
     time::{Duration, Instant},
 };
 
-use orograph_core::{
-    CellSize, Error, InputPath, Job, NodeSpec, ParamKind, ParamValue, RawParams, Result, Slot, Value,
-};
+use orograph_core::{CellSize, Error, InputPath, Job, NodeSpec, ParamValue, RawParams, Result, Slot, Value};
 
 use super::{
     Limits,
@@ -152,10 +150,7 @@ impl Calls for Workers {
 
 /// Where the files lie that the settings name; what cannot be found is told when the node asks for it.
 fn files(spec: &NodeSpec, params: &[ParamValue], job: &Job) -> Vec<(String, Result<PathBuf, Fault>)> {
-    let named = spec.params.iter().zip(params).filter_map(|(param, value)| match value {
-        ParamValue::Text(name) if param.kind == ParamKind::InputPath => Some(name.clone()),
-        _ => None,
-    });
+    let named = spec.input_files(params).map(|(_, name)| name.to_owned());
     named.map(|name| (name.clone(), job.input_path(&InputPath(name)).map_err(Fault::from))).collect()
 }
 
