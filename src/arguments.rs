@@ -1,11 +1,10 @@
 //! The command line's grammar; the help texts are its manual.
 
-use std::{ffi::OsString, path::PathBuf};
+use std::path::PathBuf;
 
 use clap::{Args, Parser, Subcommand};
 use clap_complete::Shell;
-
-use crate::size;
+use orograph_session::memory;
 
 /// A node graph for terrain: deterministic, cached, scriptable to the end.
 #[derive(Parser)]
@@ -39,18 +38,13 @@ pub(crate) enum Command {
         /// The shell
         shell: Shell,
     },
-    /// Look at a plugin, or run one, for another process of this program
-    #[command(hide = true)]
-    PluginHost {
-        #[arg(trailing_var_arg = true, allow_hyphen_values = true)]
-        request: Vec<OsString>,
-    },
 }
 
 /// Which plugins there are, and where they run.
 #[derive(Args, Clone)]
 pub(crate) struct PluginOptions {
-    /// A folder of plugins; may be given many times, and goes before the folders of OROGRAPH_PLUGINS and the user's own
+    /// A folder of plugins; may be given many times, and goes before the folders of OROGRAPH_PLUGINS, of the settings and
+    /// the user's own
     #[arg(long, value_name = "DIR")]
     pub(crate) plugins: Vec<PathBuf>,
     /// Run every plugin in a process of its own, so that what goes wrong there is its node's error
@@ -63,7 +57,7 @@ pub(crate) struct PluginOptions {
     #[arg(long, value_name = "SECONDS", value_parser = clap::value_parser!(u64).range(1..))]
     pub(crate) isolate_timeout: Option<u64>,
     /// Memory that such a plugin may take beyond its inputs
-    #[arg(long, default_value = "8GiB", value_name = "BYTES", value_parser = size::parse)]
+    #[arg(long, default_value = "8GiB", value_name = "BYTES", value_parser = memory::parse)]
     pub(crate) isolate_memory: u64,
 }
 
@@ -93,11 +87,11 @@ pub(crate) struct EvaluationOptions {
     #[arg(long, default_value_t = 0, value_name = "N", allow_negative_numbers = true,
         value_parser = clap::value_parser!(u16).range(0..=1024))]
     pub(crate) jobs: u16,
-    /// The cache folder, or `none` to keep results in memory alone
+    /// The cache folder, or `none` to keep results in memory alone; by default as the settings say, or the user's own
     #[arg(long, env = "OROGRAPH_CACHE", value_name = "DIR|none")]
     pub(crate) cache: Option<PathBuf>,
-    /// Memory for results, such as 2GiB; by default 8 GiB or three quarters of a smaller machine
-    #[arg(long, value_name = "BYTES", value_parser = size::parse)]
+    /// Memory for results, such as 2GiB; by default as the settings say, or 8 GiB or three quarters of a smaller machine
+    #[arg(long, value_name = "BYTES", value_parser = memory::parse)]
     pub(crate) memory: Option<u64>,
     /// The folder that files are written into
     #[arg(long, default_value = "out", value_name = "DIR")]
@@ -261,7 +255,7 @@ pub(crate) enum CacheAction {
     /// Remove what was unused for longest, and what dead processes left
     Gc {
         /// Bytes to keep, such as 10GiB
-        #[arg(long, default_value = "10GiB", value_parser = size::parse)]
+        #[arg(long, default_value = "10GiB", value_parser = memory::parse)]
         max: u64,
     },
     /// Remove everything

@@ -3,6 +3,7 @@
 use std::process::ExitCode;
 
 use orograph_engine::{DocumentError, DocumentErrors};
+use orograph_session::Error;
 
 use crate::console;
 
@@ -57,6 +58,16 @@ impl Failure {
                 console::error("cancelled");
                 ExitCode::from(3)
             }
+        }
+    }
+}
+
+impl From<Error> for Failure {
+    fn from(error: Error) -> Self {
+        match error {
+            Error::Graph(errors) => errors.into(),
+            Error::Refused { message, help } => Self::Usage { message, hint: help },
+            Error::Failed(message) => Self::Other(message),
         }
     }
 }

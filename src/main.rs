@@ -8,10 +8,8 @@ mod commands;
 mod console;
 mod failure;
 mod manifest;
-mod plugins;
 mod progress;
 mod session;
-mod size;
 
 use std::process::ExitCode;
 
@@ -22,11 +20,11 @@ use arguments::{Arguments, Command};
 fn main() -> ExitCode {
     // A panic inside a node becomes that node's error; its backtrace is nobody's reading.
     std::panic::set_hook(Box::new(|_| {}));
-    outlive_file_size_limit();
-    let arguments = Arguments::parse();
-    if let Command::PluginHost { request } = &arguments.command {
-        return orograph_engine::plugin::serve(request);
+    orograph_session::outlive_file_size_limit();
+    if let Some(code) = orograph_session::plugins::serve(std::env::args_os().skip(1)) {
+        return code;
     }
+    let arguments = Arguments::parse();
     let result = std::panic::catch_unwind(|| match arguments.command {
         Command::Run(options) => commands::run::run(&options),
         Command::Check(options) => commands::check::run(&options),
@@ -37,7 +35,6 @@ fn main() -> ExitCode {
         Command::Plugin(options) => commands::plugin::run(&options.action),
         Command::Manual(options) => commands::manual::run(&options),
         Command::Completions { shell } => commands::completions::run(shell),
-        Command::PluginHost { .. } => Ok(()),
     });
     match result {
         Ok(Ok(())) => ExitCode::SUCCESS,
@@ -48,15 +45,3 @@ fn main() -> ExitCode {
         }
     }
 }
-
-/// Makes a write beyond the limit on file sizes an error, as on a full disk, instead of the process's end.
-#[cfg(unix)]
-fn outlive_file_size_limit() {
-    // Whoever handles the signal lives; that it came, the failing write tells.
-    let came = std::sync::Arc::default();
-    // Failing that, the limit ends the process, as it does by default.
-    let _ = signal_hook::flag::register(signal_hook::consts::SIGXFSZ, came);
-}
-
-#[cfg(not(unix))]
-fn outlive_file_size_limit() {}

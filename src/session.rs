@@ -1,37 +1,48 @@
-//! What the commands share: loading a graph with its settings, opening the cache, starting an evaluator.
+//! What the commands share: loading a graph with its settings, and what the options say to `orograph-session`.
 
 use std::{
     fs,
     path::{Path, PathBuf},
+    time::Duration,
 };
 
-use etcetera::BaseStrategy;
 use indexmap::IndexMap;
 use orograph_core::Context;
 use orograph_engine::{
-    Cache, CancelToken, CompileOptions, Compiled, DiskTier, Document, Evaluator, NodeId, Registry, compile,
-    document::read_file,
+    CancelToken, CompileOptions, Compiled, Document, Evaluator, Registry, compile, document::read_file,
+    plugin::Limits,
 };
+use orograph_session::{Settings, plugins};
 
 use crate::{
     arguments::{EvaluationOptions, GraphSettings, PluginOptions},
     console,
     failure::Failure,
-    plugins, size,
 };
 
-/// The built-in node types.
-pub(crate) fn built_in() -> Result<Registry, Failure> {
-    Registry::new(orograph_nodes::all()).map_err(|clash| Failure::Other(clash.to_string()))
+/// What the options say of plugins, to be remembered below the cache folder that `cache` names.
+pub(crate) fn plugin_options(
+    options: &PluginOptions,
+    cache: Option<&Path>,
+) -> orograph_session::PluginOptions {
+    orograph_session::PluginOptions {
+        folders: options.plugins.clone(),
+        isolate: options.isolate,
+        limits: Limits {
+            silence: Duration::from_secs(options.isolate_silence),
+            time: options.isolate_timeout.map(Duration::from_secs),
+            memory: options.isolate_memory,
+        },
+        cache: cache.map(Path::to_owned),
+        again: false,
+    }
 }
 
 /// The built-in node types and those of plugins.
 pub(crate) fn registry(options: &PluginOptions, cache: Option<&Path>) -> Result<Registry, Failure> {
-    let mut registry = built_in()?;
-    for found in plugins::register(options, cache, false, &mut registry)? {
-        if let Err(reason) = found.outcome {
-            console::note(&format!("warning: the plugin {} is refused: {reason}", found.path.display()));
-        }
+    let (registry, found) = orograph_session::registry(&plugin_options(options, cache), &Settings::load()?)?;
+    for complaint in found.iter().filter_map(plugins::complaint) {
+        console::note(&format!("warning: {complaint}"));
     }
     Ok(registry)
 }
@@ -89,27 +100,6 @@ fn compile_noting(
     Ok(compile(document, registry, &options)?)
 }
 
-/// Refuses a graph in which one of `roots` needs a placeholder, unless its name is excused.
-pub(crate) fn refuse_missing(
-    compiled: &Compiled,
-    roots: impl IntoIterator<Item = NodeId>,
-    excused: impl Fn(&str) -> bool,
-) -> Result<(), Failure> {
-    let graph = &compiled.graph;
-    let mut stack: Vec<_> = roots.into_iter().collect();
-    let mut seen = vec![false; graph.nodes().len()];
-    while let Some(id) = stack.pop() {
-        if std::mem::replace(&mut seen[id.index()], true) {
-            continue;
-        }
-        if let Some(error) = compiled.missing.get(&id).filter(|_| !excused(&graph.node(id).name)) {
-            return Err(error.clone().into());
-        }
-        stack.extend(graph.node(id).inputs.iter().flatten().map(|wire| wire.node));
-    }
-    Ok(())
-}
-
 fn folder_of(file: &Path) -> PathBuf {
     file.parent().map_or_else(PathBuf::new, Path::to_owned)
 }
@@ -125,27 +115,18 @@ fn vars(file: Option<&Path>) -> Result<Vec<(String, String)>, Failure> {
     Ok(values.into_iter().map(|(name, value)| (name, value.get_ron().trim().to_owned())).collect())
 }
 
-/// The folder that the cache lies in: as said, or the user's; `None` for memory alone.
-pub(crate) fn cache_folder(said: Option<&Path>) -> Option<PathBuf> {
-    match said {
-        Some(folder) if folder == Path::new("none") => None,
-        Some(folder) => Some(folder.to_owned()),
-        None => etcetera::choose_base_strategy().ok().map(|base| base.cache_dir().join("orograph")),
-    }
-}
-
-/// An evaluator as the options describe it.
+/// An evaluator as the options and the settings describe it.
 pub(crate) fn evaluator(options: &EvaluationOptions) -> Result<Evaluator, Failure> {
-    let memory = options.memory.unwrap_or_else(size::default_memory);
-    let disk = cache_folder(options.cache.as_deref()).and_then(|folder| match DiskTier::open(&folder) {
-        Ok(disk) => Some(disk),
-        Err(error) => {
-            console::note(&format!("warning: no cache folder at {}: {error}", folder.display()));
-            None
-        }
-    });
-    Evaluator::new(Cache::new(memory, disk), usize::from(options.jobs))
-        .map_err(|error| Failure::Other(format!("cannot start threads: {error}")))
+    let settings = Settings::load()?;
+    let (evaluator, warning) = orograph_session::evaluator(
+        settings.memory_budget(options.memory),
+        settings.cache_folder(options.cache.as_deref()).as_deref(),
+        usize::from(options.jobs),
+    )?;
+    if let Some(warning) = warning {
+        console::note(&format!("warning: {warning}"));
+    }
+    Ok(evaluator)
 }
 
 /// The run's context.

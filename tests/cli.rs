@@ -434,3 +434,31 @@ fn an_interrupt_ends_a_long_run_and_leaves_nothing_half_written() {
     ended.tells(&["cancelled"]);
     assert!(place.files("out").is_empty());
 }
+
+#[test]
+fn settings_hold_where_neither_options_nor_the_environment_say_otherwise() {
+    let place = Place::with(CHAIN);
+    fs::create_dir_all(place.path("config/orograph")).unwrap();
+    place.write("config/orograph/settings.ron", "(cache: \"../../settled\", memory: \"1KiB\")");
+    let run = |line: &str, cache: Option<&str>| {
+        let mut command = place.command(line);
+        command.env_remove("OROGRAPH_CACHE");
+        cache.inspect(|cache| {
+            command.env("OROGRAPH_CACHE", place.path(cache));
+        });
+        Ended::new(line, command.output().unwrap())
+    };
+    let there = |folder: &str| place.path(folder).join("v1").exists();
+    run("run g.ron stats", None).code(1).tells(&["more than the 1024 allowed"]);
+    assert!(there("settled") && !there("cache") && !there("said"));
+    run("run g.ron stats --memory 1GiB", Some("cache")).code(0);
+    run("run g.ron stats --memory 1GiB --cache said", Some("cache")).code(0);
+    assert!(there("cache") && there("said"));
+    run("cache stat", None).code(0).gives(&["settled"]);
+    place.write("config/orograph/settings.ron", "(memory: \"much\")");
+    run("run g.ron stats", None).code(2).tells(&[
+        "settings.ron:1:",
+        "`much` is no size",
+        "hint: write settings",
+    ]);
+}

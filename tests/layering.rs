@@ -83,9 +83,9 @@ fn dependencies_run_one_way() {
         ("engine/contract", &["orograph-abi", "orograph-engine", "orograph-nodes", "orograph"]),
         ("plugins/abi", &["orograph-engine", "orograph-nodes", "orograph"]),
         ("plugins/sdk", &["orograph-engine", "orograph-nodes", "orograph"]),
-        ("plugins/sdk", &["orograph-engine", "orograph-nodes", "orograph"]),
-        ("engine", &["orograph-nodes", "orograph-plugin", "orograph"]),
-        ("nodes", &["orograph-abi", "orograph-engine", "orograph"]),
+        ("engine", &["orograph-nodes", "orograph-plugin", "orograph-session", "orograph"]),
+        ("nodes", &["orograph-abi", "orograph-engine", "orograph-session", "orograph"]),
+        ("session", &["orograph-abi", "orograph-contract", "orograph", "clap", "indicatif", "notify"]),
     ] {
         let found = dependencies(folder, true);
         assert!(!found.is_empty(), "{folder} depends on nothing, it seems");
@@ -94,6 +94,13 @@ fn dependencies_run_one_way() {
         }
     }
     assert!(dependencies("", false).contains("orograph-nodes"));
+}
+
+#[test]
+fn what_front_ends_share_prints_nothing() {
+    let found =
+        uses("session/src", &["println!", "eprintln!", "print!", "io::stdout", "io::stderr"], |_| false);
+    assert_eq!(found, [""; 0]);
 }
 
 #[test]
@@ -108,8 +115,15 @@ fn windows_live_in_the_editor_alone() {
 
 #[test]
 fn nothing_but_the_plugin_loader_is_unsafe() {
-    let folders =
-        ["engine/core/src", "engine/contract/src", "engine/derive/src", "engine/src", "nodes/src", "src"];
+    let folders = [
+        "engine/core/src",
+        "engine/contract/src",
+        "engine/derive/src",
+        "engine/src",
+        "nodes/src",
+        "session/src",
+        "src",
+    ];
     for folder in folders {
         let loader = |path: &Path| path.starts_with(root().join("engine/src/plugin"));
         let found = uses(folder, &["unsafe ", "unsafe{", "allow(unsafe_code)"], loader);

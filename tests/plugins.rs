@@ -143,11 +143,14 @@ fn folders_come_from_the_command_line_the_environment_and_the_user() {
     let mut command = place.command(line);
     command.env("OROGRAPH_PLUGINS", place.path("plugins"));
     Ended::new(line, command.output().unwrap()).code(0).gives(&["42"]);
+    std::fs::create_dir_all(place.path("config/orograph")).unwrap();
+    place.write("config/orograph/settings.ron", "(plugins: [\"../../plugins\", \"gone\"])");
+    place.ok(line).gives(&["42"]).tells(&["warning: no plugins of ", "config/orograph/gone"]);
+    place.write("config/orograph/settings.ron", "()");
     std::fs::create_dir_all(place.path("data/orograph")).unwrap();
     std::fs::rename(place.path("plugins"), place.path("data/orograph/plugins")).unwrap();
     place.ok(line).gives(&["42"]);
     let mut command = place.command("plugin list");
-    std::fs::create_dir_all(place.path("config/orograph")).unwrap();
     place.write("config/orograph/settings.ron", "(isolate: [\"Sound\"])");
     Ended::new("plugin list", command.output().unwrap())
         .code(0)

@@ -1,17 +1,17 @@
 //! `orograph cache`: what lies in the cache folder, and keeping it small.
 
 use orograph_engine::{DiskTier, cache::DiskStat};
+use orograph_session::{Settings, memory};
 use serde_json::json;
 
 use crate::{
     arguments::{CacheAction, CacheOptions},
     console,
     failure::Failure,
-    session, size,
 };
 
 pub(crate) fn run(options: &CacheOptions) -> Result<(), Failure> {
-    let Some(folder) = session::cache_folder(options.cache.as_deref()) else {
+    let Some(folder) = Settings::load()?.cache_folder(options.cache.as_deref()) else {
         return Err(Failure::usage("there is no cache folder", "name one with --cache DIR"));
     };
     let fail =
@@ -26,7 +26,7 @@ pub(crate) fn run(options: &CacheOptions) -> Result<(), Failure> {
         CacheAction::Gc { max } => {
             let before = disk.stat().map_err(fail)?.bytes();
             let after = disk.collect(*max).map_err(fail)?;
-            console::note(&format!("removed {}", size::text(before.saturating_sub(after.bytes()))));
+            console::note(&format!("removed {}", memory::text(before.saturating_sub(after.bytes()))));
             tell(&disk, &after);
         }
         CacheAction::Clear => {
@@ -40,8 +40,8 @@ pub(crate) fn run(options: &CacheOptions) -> Result<(), Failure> {
 fn tell(disk: &DiskTier, stat: &DiskStat) {
     console::result(&console::columns(&[
         vec!["folder".into(), disk.root().display().to_string()],
-        vec!["values".into(), format!("{} ({})", stat.values, size::text(stat.value_bytes))],
+        vec!["values".into(), format!("{} ({})", stat.values, memory::text(stat.value_bytes))],
         vec!["records".into(), stat.records.to_string()],
-        vec!["in all".into(), size::text(stat.bytes())],
+        vec!["in all".into(), memory::text(stat.bytes())],
     ]));
 }

@@ -1,7 +1,7 @@
 //! `orograph check`: everything that can be known of a graph without running it.
 
-use orograph_core::{ParamKind, ParamValue};
-use orograph_engine::{Compiled, document::GRAPH, graph::Action};
+use orograph_engine::{Compiled, document::GRAPH};
+use orograph_session::targets::refuse_missing;
 
 use crate::{
     arguments::{CheckOptions, GraphSettings},
@@ -39,15 +39,13 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
 fn needs_nothing_missing(compiled: &Compiled) -> Result<(), Failure> {
     let named = compiled.outputs.values().map(|output| output.node);
     let is_outer_input = |name: &str| name.split('.').next() == Some(GRAPH);
-    session::refuse_missing(compiled, compiled.graph.writers().chain(named), is_outer_input)
+    Ok(refuse_missing(compiled, compiled.graph.writers().chain(named), is_outer_input)?)
 }
 
 /// A file to read may be made later, so its absence is worth a word and no more.
 fn warn_of_files(compiled: &Compiled) {
     for node in compiled.graph.nodes() {
-        let Action::Run { node_type, values, .. } = &node.action else { continue };
-        for (param, value) in node_type.spec().params.iter().zip(values) {
-            let (ParamKind::InputPath, ParamValue::Text(text)) = (&param.kind, value) else { continue };
+        for (param, text) in node.input_files() {
             match node.input_path(text) {
                 Ok(path) if !path.is_file() => {
                     console::note(&format!(

@@ -1,18 +1,18 @@
 //! `orograph manual`: the pages of all node types, written or compared.
 
-use std::{fs, io::Write, path::Path};
+use std::{fs, path::Path};
 
-use orograph_engine::manual;
+use orograph_engine::{manual, write_whole};
 
-use crate::{arguments::ManualOptions, console, failure::Failure, session};
+use crate::{arguments::ManualOptions, console, failure::Failure};
 
 pub(crate) fn run(options: &ManualOptions) -> Result<(), Failure> {
-    let pages = manual::book(&session::built_in()?);
+    let pages = manual::book(&orograph_session::built_in()?);
     if options.check {
         return check(&options.out, &pages);
     }
     for (name, text) in &pages {
-        write(&options.out.join(name), text).map_err(|error| {
+        write_whole(&options.out, &options.out.join(name), &[text.as_bytes()]).map_err(|error| {
             Failure::Other(format!("writing {}: {error}", options.out.join(name).display()))
         })?;
     }
@@ -42,13 +42,4 @@ fn check(folder: &Path, pages: &[(String, String)]) -> Result<(), Failure> {
         stale.join(", "),
         folder.display()
     )))
-}
-
-fn write(path: &Path, text: &str) -> std::io::Result<()> {
-    let folder = path.parent().unwrap_or(Path::new(""));
-    fs::create_dir_all(folder)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(text.as_bytes())?;
-    file.persist(path)?;
-    Ok(())
 }

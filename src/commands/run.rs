@@ -1,13 +1,10 @@
 //! `orograph run`: the outputs of a graph, as files, tables and a manifest.
 
-use std::sync::Arc;
-
-use indexmap::IndexSet;
-use orograph_core::{Value, ValueType};
+use orograph_core::Value;
 use orograph_engine::{
-    CancelToken, Compiled, Evaluator, Graph, NodeId, Outcome, OutputRef, Registry, Report, Request,
-    cache::Tier, eval::Planned,
+    CancelToken, Compiled, Evaluator, Outcome, Registry, Report, Request, cache::Tier, eval::Planned,
 };
+use orograph_session::{Targets, memory, targets::history};
 
 use super::{
     each::{self, Item},
@@ -59,28 +56,14 @@ pub(super) fn once(
     cancel: &CancelToken,
 ) -> Result<(), Failure> {
     let targets = Targets::choose(compiled, &options.outputs, registry)?;
-    if let Some((first, second, file)) = targets.graph.clash(&targets.writers) {
-        let name = |id: NodeId| targets.graph.node(id).name.clone();
-        return Err(Failure::usage(
-            format!("`{}` and `{}` would both write {file}", name(first), name(second)),
-            "give one of them another `file`",
-        ));
-    }
     let evaluator = match evaluator {
         Some(evaluator) => evaluator,
         None => evaluator.insert(session::evaluator(&options.evaluation)?),
     };
-    let request = Request {
-        graph: Arc::new(targets.graph),
-        outputs: targets.values.iter().map(|(_, output)| *output).collect(),
-        writers: targets.writers,
-        context: session::context(&options.evaluation),
-        out_dir: options.evaluation.out.clone(),
-        history: Some(std::path::absolute(&options.settings.graph).map_or_else(
-            |_| options.settings.graph.display().to_string(),
-            |path| path.display().to_string(),
-        )),
-    };
+    let names: Vec<String> = targets.values.iter().map(|(name, _)| name.clone()).collect();
+    let evaluation = &options.evaluation;
+    let history = history(&options.settings.graph);
+    let request = targets.into_request(session::context(evaluation), evaluation.out.clone(), Some(history));
     if options.dry_run {
         tell_plan(evaluator, &request, options.json);
         return Ok(());
@@ -94,108 +77,13 @@ pub(super) fn once(
     if let Some(reason) = evaluator.cache().take_disk_failure() {
         console::note(&format!("warning: results are kept in memory alone from here on: {reason}"));
     }
-    let names = targets.values.into_iter().map(|(name, _)| name);
-    let results: Vec<_> = names.zip(report.values.iter().cloned()).collect();
+    let results: Vec<_> = names.into_iter().zip(report.values.iter().cloned()).collect();
     tell_report(&report, options);
     tell_results(&report, &results, options);
     if report.was_cancelled() {
         return Err(Failure::Cancelled);
     }
     if report.counts().failed > 0 { Err(Failure::Node) } else { Ok(()) }
-}
-
-/// What a run is to make of a graph.
-struct Targets {
-    graph: Graph,
-    writers: Vec<NodeId>,
-    /// Tables and scalars, to be printed.
-    values: Vec<(String, OutputRef)>,
-}
-
-impl Targets {
-    /// The outputs asked for, or every writer and every named table; a raster without a writer gets one.
-    fn choose(compiled: Compiled, asked: &[String], registry: &Registry) -> Result<Self, Failure> {
-        let mut writers = Vec::new();
-        let mut wanted: Vec<(String, OutputRef)> = Vec::new();
-        if asked.is_empty() {
-            writers.extend(compiled.graph.writers());
-            let alone = writers.is_empty();
-            wanted.extend(
-                compiled
-                    .outputs
-                    .iter()
-                    .filter(|(_, output)| alone || is_printed(&compiled.graph, **output))
-                    .map(|(name, output)| (name.clone(), *output)),
-            );
-            if alone && wanted.is_empty() {
-                return Err(Failure::usage(
-                    "the graph writes nothing and names no outputs",
-                    "ask for an output, such as `node.port`, or add a node that writes a file",
-                ));
-            }
-        }
-        let asked: IndexSet<_> = asked.iter().collect();
-        for name in asked {
-            match compiled.graph.find(name) {
-                Some(id) if compiled.graph.node(id).spec().is_some_and(|spec| spec.writes) => {
-                    writers.push(id)
-                }
-                _ => wanted.push((name.clone(), compiled.output(name)?)),
-            }
-        }
-        let roots = writers.iter().copied().chain(wanted.iter().map(|(_, output)| output.node));
-        session::refuse_missing(&compiled, roots, |_| false)?;
-        let (values, rasters): (Vec<_>, Vec<_>) =
-            wanted.into_iter().partition(|(_, output)| is_printed(&compiled.graph, *output));
-        let mut targets = Self { graph: compiled.graph, writers, values };
-        for (name, output) in rasters {
-            targets.add_writer(&name, output, registry)?;
-        }
-        Ok(targets)
-    }
-
-    fn add_writer(&mut self, name: &str, output: OutputRef, registry: &Registry) -> Result<(), Failure> {
-        // Nodes of unknown type were refused before.
-        let Some(value_type) = self.graph.value_type(output) else { return Ok(()) };
-        let writer = registry.iter().find(|node_type| {
-            let spec = node_type.spec();
-            spec.default_writer && spec.inputs.first().is_some_and(|port| port.value_type == value_type)
-        });
-        let Some(writer) = writer else {
-            return Err(Failure::usage(
-                format!("`{name}` is a {value_type}, which no node writes by default"),
-                "add a node that turns it into something to write",
-            ));
-        };
-        let spec = writer.spec();
-        let values = spec
-            .params
-            .iter()
-            .map(|param| match (&param.kind, &param.default) {
-                (orograph_core::ParamKind::OutputPath, orograph_core::ParamValue::Text(file)) => {
-                    let extension = file.rsplit_once('.').map_or("bin", |(_, extension)| extension);
-                    orograph_core::ParamValue::Text(format!("{}.{extension}", name.replace('/', "-")))
-                }
-                (_, default) => default.clone(),
-            })
-            .collect();
-        let mut builder = std::mem::take(&mut self.graph).into_builder();
-        let wrong = |error: orograph_engine::GraphError| Failure::Other(error.to_string());
-        let id = builder.add(&format!("write {name}"), writer, values).map_err(wrong)?;
-        builder.wire(output, id, &spec.inputs[0].name).map_err(wrong)?;
-        self.graph = builder.build().map_err(wrong)?;
-        self.writers.push(id);
-        Ok(())
-    }
-}
-
-fn is_printed(graph: &Graph, output: OutputRef) -> bool {
-    graph.value_type(output).is_some_and(|value_type| {
-        matches!(
-            value_type,
-            ValueType::Table | ValueType::Number | ValueType::Integer | ValueType::Boolean | ValueType::Text
-        )
-    })
 }
 
 fn tell_plan(evaluator: &Evaluator, request: &Request, json: bool) {
@@ -257,7 +145,7 @@ fn tell_report(report: &Report, options: &RunOptions) {
             .iter()
             .map(|node| {
                 let time = format!("{:9.3} ms", node.micros as f64 / 1e3);
-                vec![time, crate::size::text(node.bytes), node.name.clone(), node.id.clone()]
+                vec![time, memory::text(node.bytes), node.name.clone(), node.id.clone()]
             })
             .collect();
         if !rows.is_empty() {

@@ -10,11 +10,11 @@ use std::{
 };
 
 use notify::{Event, RecommendedWatcher, RecursiveMode, Watcher};
-use orograph_core::{ParamKind, ParamValue};
-use orograph_engine::{CancelToken, Compiled, graph::Action};
+use orograph_engine::{CancelToken, Compiled};
+use orograph_session::{Settings, plugins::folders};
 
 use super::run::once;
-use crate::{arguments::RunOptions, console, failure::Failure, plugins, session};
+use crate::{arguments::RunOptions, console, failure::Failure, session};
 
 /// How long a burst of changes may pause before it counts as over: a linker writes a library in several steps.
 const SETTLED: Duration = Duration::from_millis(250);
@@ -43,8 +43,8 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
             // The next change may mend it.
             Err(failure) => failure.tell(),
         }
-        let folders = plugins::folders(&options.evaluation.plugins);
-        watch.follow(files.into_inner(), folders);
+        let plugins = session::plugin_options(&options.evaluation.plugins, cache);
+        watch.follow(files.into_inner(), folders(&plugins, &Settings::load()?));
         if !options.evaluation.quiet {
             console::note("watching; Ctrl-C ends it");
         }
@@ -56,16 +56,8 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
 
 /// The files that the graph's nodes read.
 fn inputs(compiled: &Compiled) -> Vec<PathBuf> {
-    let mut files = Vec::new();
-    for node in compiled.graph.nodes() {
-        let Action::Run { node_type, values, .. } = &node.action else { continue };
-        for (param, value) in node_type.spec().params.iter().zip(values) {
-            if let (ParamKind::InputPath, ParamValue::Text(text)) = (&param.kind, value) {
-                files.extend(node.input_path(text).ok());
-            }
-        }
-    }
-    files
+    let nodes = compiled.graph.nodes().iter();
+    nodes.flat_map(|node| node.input_files().filter_map(|(_, name)| node.input_path(name).ok())).collect()
 }
 
 /// Follows files and folders.

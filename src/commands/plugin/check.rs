@@ -4,8 +4,9 @@ use std::{path::Path, time::Duration};
 
 use orograph_contract::{CHECKS, Check, limits_of_settings, tile_by_tile};
 use orograph_engine::plugin::{Found, Limits};
+use orograph_session::{Settings, plugins};
 
-use crate::{console, failure::Failure, plugins, session};
+use crate::{console, failure::Failure};
 
 /// What is asked of plugins beyond what every node is asked.
 const MORE: [(&str, Check); 2] = [
@@ -17,8 +18,9 @@ pub(crate) fn run(library: &Path) -> Result<(), Failure> {
     // It is tried in processes of its own, so that the worst ends no more than a line of this list.
     let limits =
         Limits { silence: Duration::from_secs(20), time: Some(Duration::from_secs(120)), memory: 2 << 30 };
-    let plugins = plugins::plugins(None, limits)?.scanning_again(true);
-    let mut registry = session::built_in()?;
+    let cache = Settings::load()?.cache_folder(None);
+    let plugins = plugins::plugins(cache.as_deref(), limits)?.scanning_again(true);
+    let mut registry = orograph_session::built_in()?;
     let found = plugins.register(&[library.to_owned()], &mut registry, &|_| true);
     let Some(Found { outcome, .. }) = found.into_iter().next() else { return Ok(()) };
     let plugin = outcome.map_err(|reason| {

@@ -1,12 +1,14 @@
 //! `orograph plugin list`: every library in the plugin folders, and what became of it.
 
 use orograph_engine::plugin::Found;
+use orograph_session::{PluginOptions, Settings, plugins};
 use serde_json::json;
 
-use crate::{arguments::PluginOptions, console, failure::Failure, plugins, session};
+use crate::{arguments, console, failure::Failure, session};
 
-pub(crate) fn run(options: &PluginOptions, again: bool, as_json: bool) -> Result<(), Failure> {
-    let found = plugins::register(options, None, again, &mut session::built_in()?)?;
+pub(crate) fn run(options: &arguments::PluginOptions, again: bool, as_json: bool) -> Result<(), Failure> {
+    let options = PluginOptions { again, ..session::plugin_options(options, None) };
+    let (_, found) = orograph_session::registry(&options, &Settings::load()?)?;
     if as_json {
         let list: Vec<_> = found.iter().map(as_value).collect();
         console::result(&json!(list).to_string());

@@ -10,6 +10,7 @@ use std::sync::Arc;
 use orograph_core::{Cells, Column, NodeType, ParamValue, Params, Table, Unit, Value, ValueType};
 use orograph_engine::{Document, GraphBuilder, GraphError, NodeId, OutputRef, Registry, Report, Request};
 use orograph_nodes::look::{colour_relief::ColourRelief, contact_sheet::ContactSheet};
+use orograph_session::targets::refuse_missing;
 
 use crate::{arguments::SweepOptions, console, failure::Failure, manifest::value_text, progress, session};
 use values::{Axis, combinations};
@@ -99,7 +100,7 @@ fn merge(
             ));
         }
         let outputs = names.iter().map(|name| compiled.output(name)).collect::<Result<Vec<_>, _>>()?;
-        session::refuse_missing(&compiled, outputs.iter().map(|output| output.node), |_| false)?;
+        refuse_missing(&compiled, outputs.iter().map(|output| output.node), |_| false)?;
         let types: Vec<_> = outputs.iter().map(|output| compiled.graph.value_type(*output)).collect();
         let prefix = label(combination);
         let first = builder.absorb(compiled.graph, &prefix).map_err(wrong)?;

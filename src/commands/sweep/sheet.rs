@@ -13,9 +13,9 @@ use orograph_nodes::{
     },
     look::contact_sheet::{ContactSheet, ContactSheetIn},
 };
+use orograph_session::memory::default_memory;
 
 use super::Cell;
-use crate::size;
 
 /// The pictures of a sweep.
 pub(crate) struct Sheets<'a> {
@@ -90,7 +90,7 @@ impl Host for FolderHost {
     fn progress(&self, _: f64) {}
     fn warn(&self, _: &str) {}
     fn memory_limit(&self) -> u64 {
-        size::default_memory()
+        default_memory()
     }
     fn input_path(&self, path: &str) -> Result<PathBuf> {
         Err(Error::reading(path, "a sweep's sheet reads no files"))
