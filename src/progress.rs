@@ -8,6 +8,7 @@ use std::{
 };
 
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
+use orograph_core::Error;
 use orograph_engine::{
     Observer, Outcome,
     eval::{Event, Silent},
@@ -43,7 +44,7 @@ impl Observer for Lines {
             Event::Finished { node, outcome: Outcome::Computed, .. } => {
                 console::note(&format!("computed {node}"));
             }
-            Event::Finished { node, outcome: Outcome::Failed(_), .. } => {
+            Event::Finished { node, outcome: Outcome::Failed(error), .. } if *error != Error::Cancelled => {
                 console::note(&format!("failed   {node}"));
             }
             _ => {}

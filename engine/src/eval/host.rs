@@ -2,10 +2,13 @@
 
 use std::{
     path::PathBuf,
-    sync::{Arc, Mutex, PoisonError},
+    sync::{
+        Arc, Mutex, PoisonError,
+        atomic::{AtomicBool, Ordering},
+    },
 };
 
-use orograph_core::{Error, Host, OutputStream, Result};
+use orograph_core::{Digest, Error, Host, OutputStream, Result};
 
 use super::{output::OutputFolder, run::Run};
 use crate::{
@@ -17,14 +20,19 @@ use crate::{
 pub(crate) struct TaskHost<'a> {
     run: &'a Run,
     node: NodeId,
+    action: Digest,
     folder: OutputFolder,
+    /// It was told to stop. That stands, whoever else comes to want it: some of its work may be left out already.
+    stopped: AtomicBool,
     warnings: Mutex<Vec<String>>,
     written: Arc<Mutex<Vec<WrittenFile>>>,
 }
 
 impl<'a> TaskHost<'a> {
-    pub(crate) fn new(run: &'a Run, node: NodeId) -> Self {
-        Self { run, node, folder: run.folder.clone(), warnings: Mutex::default(), written: Arc::default() }
+    pub(crate) fn new(run: &'a Run, node: NodeId, action: Digest) -> Self {
+        let folder = run.folder.clone();
+        let (stopped, warnings, written) = Default::default();
+        Self { run, node, action, folder, stopped, warnings, written }
     }
 
     /// The node's error as the user meets it.
@@ -47,10 +55,22 @@ impl<'a> TaskHost<'a> {
 
 impl Host for TaskHost<'_> {
     fn cancelled(&self) -> bool {
-        self.run.cancel.is_cancelled()
+        if !self.run.cancel.is_cancelled() {
+            return false;
+        }
+        if !self.stopped.load(Ordering::Acquire) && self.run.goes_on_for_others(self.node.0, &self.action) {
+            return false;
+        }
+        self.stopped.store(true, Ordering::Release);
+        true
     }
     fn progress(&self, done: f64) {
         self.run.progress(self.node, done);
+        for (run, node) in self.run.shared.in_flight.wanted_by(&self.action) {
+            if let Some(run) = run.upgrade() {
+                run.progress(NodeId(node), done);
+            }
+        }
     }
     fn warn(&self, message: &str) {
         self.warnings.lock().unwrap_or_else(PoisonError::into_inner).push(message.to_owned());

@@ -135,7 +135,10 @@ impl Evaluator {
         &self.shared.cache
     }
 
-    /// Runs a request to its end. Must not be called from inside a node.
+    /// Runs a request to its end, or until it is cancelled. Must not be called from inside a node.
+    ///
+    /// Runs that want the same computation share it. A node stops when every run that wants it was cancelled; a run that
+    /// was cancelled does not wait for a node that goes on for others.
     pub fn run(&self, request: Request, observer: Arc<dyn Observer>, cancel: &CancelToken) -> Report {
         const ATTEMPTS: usize = 3;
         let outputs = request.outputs.clone();

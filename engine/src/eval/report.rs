@@ -47,12 +47,12 @@ impl Outcome {
 /// What happens during a run; times and shares are for display.
 #[derive(Clone, Debug)]
 pub enum Event<'a> {
-    /// A node began to run.
+    /// A node began to run, in this run: one that another run computes for both is not told.
     Started {
         /// Its name.
         node: &'a str,
     },
-    /// A running node got on.
+    /// A running node got on, be it that another run computes it for both.
     Progress {
         /// Its name.
         node: &'a str,

@@ -101,15 +101,17 @@ impl Run {
         const POLL: Duration = Duration::from_millis(20);
         let mut state = self.lock();
         while !state.is_quiet() {
-            if self.cancel.is_cancelled() && state.elsewhere > 0 {
-                // Another run computes it for itself; this one need not wait for the end.
-                for node in 0..state.lines.len() as u32 {
-                    if matches!(state.lines[node as usize].phase, Phase::Elsewhere) {
-                        state.elsewhere -= 1;
-                        Scheduler::new(self, &mut state).fail(node, Error::Cancelled);
-                    }
+            if self.cancel.is_cancelled() {
+                let mut scheduler = Scheduler::new(self, &mut state);
+                scheduler.leave();
+                let ended = scheduler.into_ended();
+                if !ended.is_empty() {
+                    let overall = self.overall(&state);
+                    drop(state);
+                    self.tell(&ended, overall);
+                    state = self.lock();
+                    continue;
                 }
-                continue;
             }
             state = self.quiet.wait_timeout(state, POLL).unwrap_or_else(PoisonError::into_inner).0;
         }
@@ -131,10 +133,7 @@ impl Run {
         loop {
             let mut state = self.lock();
             if self.cancel.is_cancelled() {
-                let dropped = std::mem::take(&mut state.ready);
-                for node in dropped {
-                    Scheduler::new(self, &mut state).fail(node, Error::Cancelled);
-                }
+                Scheduler::new(self, &mut state).drop_ready();
             }
             let Some(node) = state.ready.pop() else {
                 state.active -= 1;
@@ -148,11 +147,14 @@ impl Run {
             let (action, forced) = (line.action, line.forced);
             let (Some(records), Some(action)) = (self.records(&state, node), action) else {
                 // An input lost its value and is being made again.
+                if let Some(action) = action {
+                    self.forget(node, action);
+                }
                 Scheduler::new(self, &mut state).retry(node, Phase::Values);
                 continue;
             };
             // Under the lock, so that the answer cannot come before the line says that it is awaited.
-            if !self.shared.in_flight.claim(action, &self.me, node) {
+            if !self.shared.in_flight.claim(action, &self.me, node, &self.cancel) {
                 state.lines[node as usize].phase = Phase::Elsewhere;
                 state.elsewhere += 1;
                 continue;
@@ -191,14 +193,14 @@ impl Run {
         let result = match known {
             // Someone finished it since this node looked.
             Some((record, tier)) => {
-                self.change(|scheduler| scheduler.finish(node, record, Outcome::Cutoff(tier)));
+                self.conclude(node, |scheduler| scheduler.finish(node, record, Outcome::Cutoff(tier)));
                 Ok(())
             }
             None => match self.slots(node, records) {
                 Some(slots) => self.compute(node, &slots, action),
                 None => {
                     // A value was lost between the look and the grasp: have it made again.
-                    self.change(|scheduler| scheduler.retry(node, Phase::Values));
+                    self.conclude(node, |scheduler| scheduler.retry(node, Phase::Values));
                     // Those who wait for this node try by themselves.
                     Err(Error::Cancelled)
                 }
@@ -214,7 +216,7 @@ impl Run {
     fn compute(&self, node: u32, slots: &[Slot], action: Digest) -> Result<(), Error> {
         self.observer.event(&Event::Started { node: self.name(node) });
         let begun = Instant::now();
-        let host = TaskHost::new(self, NodeId(node));
+        let host = TaskHost::new(self, NodeId(node), action);
         let context = visible_context(self.node(node), self.request.context);
         let result =
             call(self.node(node), slots, &Job::new(&host, context)).map_err(|error| host.located(error));
@@ -222,7 +224,7 @@ impl Run {
         let values = match result {
             Ok(values) => values,
             Err(error) => {
-                self.change(|scheduler| scheduler.fail(node, error.clone()));
+                self.conclude(node, |scheduler| scheduler.fail(node, error.clone()));
                 return Err(error);
             }
         };
@@ -242,8 +244,36 @@ impl Run {
             let bytes = values.iter().map(Value::size_in_memory).sum();
             self.shared.write_behind(bytes, move |cache| cache.persist(&keys, &record, &values));
         }
-        self.change(|scheduler| scheduler.complete(node, record, micros));
+        self.change(|scheduler| match scheduler.was_left(node) {
+            true => scheduler.keep(record),
+            false => scheduler.complete(node, record, micros),
+        });
         Ok(())
+    }
+
+    /// Moves on a node whose computation is over, unless the run was over for it before.
+    fn conclude(&self, node: u32, moves: impl FnOnce(&mut Scheduler<'_>)) {
+        self.change(|scheduler| {
+            if !scheduler.was_left(node) {
+                moves(scheduler);
+            }
+        });
+    }
+
+    /// Notes that a node wants its action; whether that is under way, so that the node need only wait.
+    pub(crate) fn want(&self, node: u32, action: Digest) -> bool {
+        self.shared.in_flight.want(action, &self.me, node, &self.cancel)
+    }
+
+    /// Takes back what [`want`](Self::want) noted of a node that was not told to wait.
+    pub(crate) fn forget(&self, node: u32, action: Digest) {
+        self.shared.in_flight.forget(action, &self.me, node);
+    }
+
+    /// Whether a node that runs here is wanted by another run, too, that was not cancelled. A writer writes into the folder
+    /// of this run alone.
+    pub(crate) fn goes_on_for_others(&self, node: u32, action: &Digest) -> bool {
+        !self.node(node).spec().is_some_and(|spec| spec.writes) && self.shared.in_flight.is_wanted(action)
     }
 
     fn resume(&self, node: u32, result: &Result<(), Error>) {
@@ -276,6 +306,9 @@ impl Run {
     pub(crate) fn progress(&self, node: NodeId, done: f64) {
         let overall = {
             let mut state = self.lock();
+            if !state.is_under_way(node.0) {
+                return;
+            }
             state.advance(node.0, done, self.cost(node.0));
             self.overall(&state)
         };
@@ -283,7 +316,9 @@ impl Run {
     }
 
     pub(crate) fn note(&self, node: NodeId, message: &str) {
-        self.observer.event(&Event::Note { node: self.name(node.0), message });
+        if self.lock().is_under_way(node.0) {
+            self.observer.event(&Event::Note { node: self.name(node.0), message });
+        }
     }
 
     fn overall(&self, state: &State) -> f64 {
@@ -415,6 +450,9 @@ impl Run {
 impl Drop for Run {
     fn drop(&mut self) {
         let state = self.state.get_mut().unwrap_or_else(PoisonError::into_inner);
+        for record in &state.kept {
+            self.shared.cache.unpin(record);
+        }
         for line in &state.lines {
             if let Some(record) = line.record().filter(|_| line.pinned) {
                 self.shared.cache.unpin(record);

@@ -87,6 +87,10 @@ pub(crate) struct State {
     pub(crate) active: usize,
     /// Nodes that wait for another run.
     pub(crate) elsewhere: usize,
+    /// Nodes that run on for other runs alone, each on a worker of this one, for which they are over.
+    left: Vec<u32>,
+    /// What came of such nodes; its values are pinned for as long as the run.
+    pub(crate) kept: Vec<Arc<Record>>,
     /// Cost of the nodes that were not known at once.
     pub(crate) cost: f64,
     /// The part of it that is done.
@@ -100,6 +104,8 @@ impl State {
             ready: Vec::new(),
             active: 0,
             elsewhere: 0,
+            left: Vec::new(),
+            kept: Vec::new(),
             cost: 0.0,
             done_cost: 0.0,
         }
@@ -115,8 +121,14 @@ impl State {
         }
     }
 
+    /// Whether a node runs or is about to, here or elsewhere, and is not over for this run.
+    pub(crate) fn is_under_way(&self, node: u32) -> bool {
+        matches!(self.lines[node as usize].phase, Phase::Queued | Phase::Running | Phase::Elsewhere)
+    }
+
+    /// Whether nothing is left to wait for.
     pub(crate) fn is_quiet(&self) -> bool {
-        self.active == 0 && self.elsewhere == 0 && self.ready.is_empty()
+        self.active == self.left.len() && self.elsewhere == 0 && self.ready.is_empty()
     }
 }
 
@@ -176,6 +188,37 @@ impl<'a> Scheduler<'a> {
     pub(crate) fn fail(&mut self, node: u32, error: Error) {
         self.end(node, Phase::Failed, Outcome::Failed(error));
         self.settle();
+    }
+
+    /// Ends, in a run that was cancelled, every node that need not be waited for: those that did not begin, those that
+    /// another run computes, and those that run on because another run wants them.
+    pub(crate) fn leave(&mut self) {
+        self.drop_ready();
+        for node in 0..self.state.lines.len() as u32 {
+            match self.state.lines[node as usize].phase {
+                Phase::Elsewhere => self.state.elsewhere -= 1,
+                Phase::Running if self.goes_on(node) => self.state.left.push(node),
+                _ => continue,
+            }
+            self.fail(node, Error::Cancelled);
+        }
+    }
+
+    fn goes_on(&self, node: u32) -> bool {
+        self.state.lines[node as usize]
+            .action
+            .is_some_and(|action| self.run.goes_on_for_others(node, &action))
+    }
+
+    /// Keeps what came of a node that was left to other runs, until they had the time to take it.
+    pub(crate) fn keep(&mut self, record: Arc<Record>) {
+        self.state.kept.push(record);
+    }
+
+    /// Whether a node whose computation is over now was left to other runs.
+    pub(crate) fn was_left(&mut self, node: u32) -> bool {
+        let place = self.state.left.iter().position(|left| *left == node);
+        place.map(|place| self.state.left.swap_remove(place)).is_some()
     }
 
     /// Goes on with a node whose computation was under way in another run.
@@ -339,8 +382,23 @@ impl<'a> Scheduler<'a> {
             self.await_inputs(node, Phase::Values, true);
             return;
         }
+        if self.line(node).action.is_some_and(|action| run.want(node, action)) {
+            self.line(node).phase = Phase::Elsewhere;
+            self.state.elsewhere += 1;
+            return;
+        }
         self.line(node).phase = Phase::Queued;
         self.state.ready.push(node);
+    }
+
+    /// Ends the nodes that could run, in a run that was cancelled.
+    pub(crate) fn drop_ready(&mut self) {
+        for node in std::mem::take(&mut self.state.ready) {
+            if let Some(action) = self.line(node).action {
+                self.run.forget(node, action);
+            }
+            self.fail(node, Error::Cancelled);
+        }
     }
 
     fn failed_by_input(&mut self, node: u32) -> bool {

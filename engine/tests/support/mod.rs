@@ -7,7 +7,7 @@ use std::{
         Arc,
         atomic::{AtomicUsize, Ordering},
     },
-    time::Duration,
+    time::{Duration, Instant},
 };
 
 use orograph_core::prelude::*;
@@ -134,6 +134,48 @@ impl Node for Trouble {
     }
 }
 
+/// Takes its time, and counts itself.
+#[derive(Params)]
+pub struct Slow {
+    /// Which of the [`SLOW`] counts.
+    #[param(default = 0, range = 0..=7, unit = "1")]
+    pub count: u32,
+    /// How long it takes, in thousandths of a second.
+    #[param(default = 0, range = 0..=600000, unit = "1")]
+    pub millis: u32,
+    /// Its number.
+    #[param(default = 0, range = -1e9..=1e9, unit = "1")]
+    pub number: f64,
+}
+
+/// How many slow nodes began, and how many run.
+pub static SLOW: [(AtomicUsize, AtomicUsize); 8] = [const { (AtomicUsize::new(0), AtomicUsize::new(0)) }; 8];
+
+impl Node for Slow {
+    const ID: &'static str = "test.slow";
+    const VERSION: u32 = 1;
+    const EXTENT: Extent = Extent::Global;
+    type Inputs<'a> = ();
+    type Outputs = NumberOut;
+    fn run(&self, (): (), job: &Job) -> Result<NumberOut> {
+        let (started, running) = &SLOW[self.count as usize];
+        started.fetch_add(1, Ordering::SeqCst);
+        running.fetch_add(1, Ordering::SeqCst);
+        let work = || {
+            let begun = Instant::now();
+            while begun.elapsed() < Duration::from_millis(self.millis.into()) {
+                job.check()?;
+                job.progress(begun.elapsed().as_secs_f64() * 1e3 / f64::from(self.millis));
+                std::thread::sleep(Duration::from_millis(1));
+            }
+            Ok(NumberOut { number: self.number })
+        };
+        let result = work();
+        running.fetch_sub(1, Ordering::SeqCst);
+        result
+    }
+}
+
 /// A field of one height; large on demand.
 #[derive(Params)]
 pub struct Field {
@@ -251,6 +293,7 @@ pub fn registry() -> Registry {
         NodeType::of::<Add>(),
         NodeType::of::<Floor>(),
         NodeType::of::<Trouble>(),
+        NodeType::of::<Slow>(),
         NodeType::of::<Field>(),
         NodeType::of::<Raise>(),
         NodeType::of::<Write>(),

@@ -133,3 +133,32 @@ fn a_node_waits_for_an_input_that_is_made_again_for_someone_else() {
     assert!(state.ready.is_empty());
     assert!(state.lines.iter().all(|line| !matches!(line.phase, Phase::Failed)));
 }
+
+/// What is queued counts as wanted by its run, and by it no more once it is dropped.
+#[test]
+fn queued_nodes_are_wanted_until_they_are_dropped() {
+    let evaluator = Evaluator::new(Cache::new(1 << 20, None), 1).expect("threads");
+    let (graph, [lost, _, _, one]) = graph();
+    let run = || {
+        let request = Request::values(Arc::clone(&graph), vec![OutputRef { node: one, output: 0 }]);
+        Run::new(Arc::clone(&evaluator.shared), request, Arc::new(Silent), CancelToken::new())
+    };
+    let (first, second) = (run(), run());
+    let (in_flight, lost) = (&evaluator.shared.in_flight, lost.0);
+    let (mut of_first, mut of_second) = (State::new(4), State::new(4));
+    Scheduler::new(&first, &mut of_first).request(lost, true);
+    Scheduler::new(&second, &mut of_second).request(lost, true);
+    let action = of_first.lines[lost as usize].action.expect("a key");
+    assert!(in_flight.claim(action, &Arc::downgrade(&first), lost, &first.cancel));
+    take(&mut of_first, lost);
+    assert!(first.goes_on_for_others(lost, &action), "the second run's worker has not come to it yet");
+    assert!(!in_flight.claim(action, &Arc::downgrade(&second), lost, &second.cancel));
+    second.cancel.cancel();
+    assert!(!first.goes_on_for_others(lost, &action));
+    assert_eq!(in_flight.release(&action).len(), 1, "it is told all the same");
+
+    Scheduler::new(&first, &mut of_first).retry(lost, Phase::Values);
+    assert!(!in_flight.is_empty());
+    Scheduler::new(&first, &mut of_first).drop_ready();
+    assert!(in_flight.is_empty(), "nothing is left behind");
+}
