@@ -182,7 +182,7 @@ pub(crate) struct GraphOptions {
     /// Print the graph for Graphviz; this is the default
     #[arg(long, conflicts_with = "ron")]
     pub(crate) dot: bool,
-    /// Print the graph file in canonical form, without its `//` comments
+    /// Print the graph file in canonical form; of its comments those before the graph are kept
     #[arg(long)]
     pub(crate) ron: bool,
     #[command(flatten)]

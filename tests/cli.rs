@@ -356,6 +356,8 @@ fn a_node_of_unknown_type_is_refused_only_where_it_is_needed() {
     let canonical = place.ok("graph --ron g.ron").gives(&["future.thing", "version: 9", "[1, (a: 2)]"]).out;
     place.write("c.ron", &canonical);
     assert_eq!(place.ok("graph --ron c.ron").out, canonical);
+    place.write("c.ron", format!("// Mine.\n{canonical}"));
+    assert_eq!(place.ok("graph --ron c.ron").out, format!("// Mine.\n{canonical}"), "the header stays");
     assert_eq!(
         place.ok("graph --dot c.ron").out.lines().count(),
         place.ok("graph g.ron").out.lines().count()

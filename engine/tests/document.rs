@@ -71,6 +71,56 @@ fn writing_is_canonical_and_loses_nothing() {
 }
 
 #[test]
+fn comments_before_the_graph_stay_and_others_are_told() {
+    let document = Document::parse(FULL, "x.ron").unwrap();
+    assert_eq!(document.header, "// A graph that uses every field.");
+    let text = document.to_ron(&registry());
+    assert!(text.starts_with("// A graph that uses every field.\n(\n"), "{text}");
+    let parse = |text: &str| Document::parse(text, "x.ron").unwrap();
+    for (before, kept) in [
+        ("", ""),
+        ("\u{feff} \n\n", ""),
+        ("// a \r\n\r\n  // b\r\n\n", "// a\n\n  // b"),
+        ("/* a /* b */ \n c */ // d\n", "/* a /* b */\n c */ // d"),
+    ] {
+        let document = parse(&format!("{before}(format: 1, nodes: {{}})\n"));
+        assert_eq!(document.header, kept, "{before:?}");
+        assert!(!document.has_inner_comments());
+        let text = document.to_ron(&registry());
+        assert_eq!(parse(&text), document);
+        assert_eq!(parse(&text).to_ron(&registry()), text);
+    }
+    for text in [
+        FULL,
+        "(format: 1, nodes: {} /* inside */)",
+        "(format: 1, // inside\n nodes: {})",
+        "(format: 1, nodes: {})\n// after",
+        "(format: 1, nodes: {\"a\": (node: \"io.read\", params: (file: /* x */ \"a\"))})",
+    ] {
+        assert!(parse(text).has_inner_comments(), "{text}");
+    }
+    assert!(!parse("(format: 1, doc: \"// no /* comment */\", nodes: {})").has_inner_comments());
+    assert!(!Document::new().has_inner_comments());
+    let mut edited = parse("// a\n(format: 1, nodes: {})");
+    edited.header = String::new();
+    assert_ne!(parse("// a\n(format: 1, nodes: {})"), edited, "a header is part of what a graph says");
+    assert!(edited.to_ron(&registry()).starts_with('('));
+}
+
+#[test]
+fn some_nodes_with_their_places_are_a_graph_by_themselves() {
+    let whole = Document::parse(FULL, "x.ron").unwrap();
+    let mut cut = Document::new();
+    for name in ["smooth", "odd", "dem"] {
+        cut.nodes.insert(name.into(), whole.nodes[name].clone());
+    }
+    cut.layout.nodes.insert("dem".into(), (0.0, -1.5));
+    let pasted = Document::parse(&cut.to_ron(&registry()), "clipboard").unwrap();
+    assert_eq!(pasted, cut);
+    assert!(!pasted.has_inner_comments());
+}
+
+#[test]
 fn unknown_nodes_are_written_back_verbatim() {
     let odd = &FULL[FULL.find("(node: \"later.thing\"").unwrap()..];
     let odd = &odd[..odd.find("}),\n    },").unwrap() + 2];
@@ -296,9 +346,12 @@ fn node() -> impl Strategy<Value = Node> {
 fn document() -> impl Strategy<Value = Document> {
     let nodes = prop::collection::vec((NAME.prop_filter("reserved", |name| name != "graph"), node()), 0..6);
     let layout = prop::collection::vec((NAME, (-1e6..1e6, -1e6..1e6)), 0..3);
-    (".*", nodes, prop::collection::vec((NAME, link()), 0..3), layout).prop_map(
-        |(doc, nodes, outputs, layout)| {
+    // Either a comment as it would stand, or none.
+    let header = "(// [a-z/*()]{0,12}[a-z)](\n|\n\n)){0,2}// [a-z]|/\\*( [a-z]{1,6})?(\n[a-z(]{1,6})? \\*/|";
+    (header, ".*", nodes, prop::collection::vec((NAME, link()), 0..3), layout).prop_map(
+        |(header, doc, nodes, outputs, layout)| {
             let mut document = Document::new();
+            document.header = header;
             document.doc = doc;
             document.nodes = nodes.into_iter().collect();
             document.outputs = outputs.into_iter().collect();
@@ -336,6 +389,17 @@ proptest! {
             let text = document.to_ron(&registry());
             prop_assert_eq!(Document::parse(&text, "x.ron").unwrap(), document);
         }
+    }
+
+    #[test]
+    fn any_header_is_written_as_comments(header in "[a-z/*()#! \\n\\r]{0,40}") {
+        let mut document = Document::new();
+        document.header = header;
+        let text = document.to_ron(&registry());
+        let again = Document::parse(&text, "x.ron").map_err(|errors| {
+            TestCaseError::fail(format!("{errors}\n{text}"))
+        })?;
+        prop_assert_eq!(again.to_ron(&registry()), text);
     }
 
     #[test]

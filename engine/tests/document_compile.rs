@@ -6,8 +6,13 @@ mod document_nodes;
 use std::path::Path;
 
 use compiling::{CHAIN, DEM, build, graph, one, source, values};
+use document_nodes::registry;
 use orograph_core::ParamValue;
-use orograph_engine::graph::Action;
+use orograph_engine::{
+    CompileOptions, Document, compile,
+    document::{Literal, Node},
+    graph::Action,
+};
 
 #[test]
 fn a_graph_compiles_with_typed_settings_and_wires() {
@@ -260,4 +265,75 @@ fn large_graphs_and_many_faults_stay_cheap() {
     assert!(
         one(&bypassed).err().is_some_and(|errors| errors.to_string().contains("more than 1000 bypassed"))
     );
+}
+
+/// The nodes that the errors of `main.ron` and the files beside it are about.
+fn nodes_of(files: &[(&str, &str)]) -> Vec<Option<String>> {
+    let errors = match build(files, &[]) {
+        Ok(compiled) => compiled.missing.into_values().collect(),
+        Err(errors) => errors.errors().to_vec(),
+    };
+    errors.iter().map(|error| error.node().map(str::to_owned)).collect()
+}
+
+#[test]
+fn errors_tell_the_node_of_the_outermost_graph() {
+    let main = |nodes: &[&str]| graph(nodes);
+    let node = |text: &str| nodes_of(&[("main.ron", &main(&[DEM, text]))]);
+    let some = |name: &str| vec![Some(name.to_owned())];
+    for text in [
+        r#""s": (node: "filter.smooth", version: 3)"#,
+        r#""s": (node: "filter.smoth", version: 3)"#,
+        r#""s": (node: "filter.smooth", version: 9)"#,
+        r#""s": (node: "filter.smooth", version: 3, colour: 1, inputs: {"terrain": "dem.terrain"})"#,
+        r#""s": (node: "filter.smooth", version: 3, params: (radius: 0), inputs: {"terrain": "dem.terrain"})"#,
+        r#""s": (node: "filter.smooth", version: 3, params: (size: 0), inputs: {"terrain": "dem.terrain"})"#,
+        r#""s": (node: "filter.smooth", version: 3, inputs: {"terrain": "dme.terrain"})"#,
+        r#""s": (node: "filter.smooth", version: 3, inputs: {"terrain": "dem.height"})"#,
+        r#""s": (node: "filter.smooth", version: 3, inputs: {"terrain": "s.terrain"})"#,
+        r#""s": (graph: "none.ron")"#,
+    ] {
+        assert_eq!(node(text), some("s"), "{text}");
+    }
+    let named = |rest: &str| nodes_of(&[("main.ron", &format!("(format: 1, nodes: {{{DEM}}}, {rest})"))]);
+    assert_eq!(named(r#"outputs: {"x": "dem.height"}"#), some("dem"));
+    assert_eq!(named(r#"expose: {"x": (param: "dem.size")}"#), some("dem"));
+    assert_eq!(named(r#"outputs: {"x": "nobody.terrain"}"#), [None]);
+
+    // Whatever is wrong inside a graph that is a node is that node's, however deep it is.
+    let main = main(&[DEM, r#""mid": (graph: "middle.ron", inputs: {"terrain": "dem.terrain"})"#]);
+    let middle = r#"(format: 1, inputs: {"terrain": (type: Heightfield)}, outputs: {"t": "in.t"},
+        nodes: {"in": (graph: "inner.ron", inputs: {"terrain": "graph.terrain"})})"#;
+    for inner in [
+        r#""s": (node: "filter.smooth", version: 3, params: (radius: 0), inputs: {"terrain": "graph.terrain"})"#,
+        r#""s": (node: "filter.smooth", version: 3)"#,
+        r#""s": (node: "filter.smoth", version: 3, inputs: {"terrain": "graph.terrain"})"#,
+        r#""s": (node: "filter.smooth", version: 3, inputs: {"terrain": "t.terrain"}),
+           "t": (node: "filter.smooth", version: 3, inputs: {"terrain": "s.terrain"})"#,
+        r#""s": (node: 1)"#,
+        r#""s": ("#,
+    ] {
+        let inner = format!(
+            r#"(format: 1, inputs: {{"terrain": (type: Heightfield)}}, outputs: {{"t": "s.terrain"}}, nodes: {{{inner}}})"#
+        );
+        let files = [("main.ron", main.as_str()), ("middle.ron", middle), ("inner.ron", &inner)];
+        assert_eq!(nodes_of(&files), some("mid"), "{inner}");
+    }
+}
+
+#[test]
+fn a_graph_without_a_file_has_errors_of_its_nodes_too() {
+    let mut document = Document::new();
+    for name in ["first", "second"] {
+        let mut node = Node::of_type("filter.smooth", 3);
+        node.params.insert("size".into(), Literal::Integer(1));
+        document.nodes.insert(name.into(), node);
+    }
+    let options = CompileOptions { base_dir: "".into(), overrides: Vec::new(), loader: &|_| unreachable!() };
+    let errors = compile(&document, &registry(), &options).err().expect("they have no `size`");
+    let nodes: Vec<_> = errors.errors().iter().filter_map(|error| error.node()).collect();
+    for name in ["first", "second"] {
+        assert!(nodes.contains(&name), "{errors}");
+    }
+    assert!(errors.errors().iter().all(|error| error.span().is_none() && error.path().is_none()));
 }

@@ -188,12 +188,13 @@ pub fn compile(
 
 fn cycle_error(error: &GraphError, scopes: &[Scope], places: &IndexMap<NodeId, Place>) -> DocumentError {
     let GraphError::Cycle { path } = error else { return DocumentError::new(error.to_string()) };
+    let outer = path.first().and_then(|first| first.split('/').next());
     let place = path.first().and_then(|first| {
         places.values().find(|place| format!("{}{}", scopes[place.scope].prefix, place.node) == *first)
     });
     let error = match place {
         Some(place) => scopes[place.scope].document.error_at_key(&["nodes", &place.node], error.to_string()),
-        None => DocumentError::new(error.to_string()),
+        None => DocumentError::new(error.to_string()).about(outer),
     };
     error.label("the cycle passes here").help("remove one of the wires on it")
 }
@@ -225,8 +226,10 @@ impl Compiler<'_> {
 
     /// Reports an error, once.
     fn report(&mut self, error: DocumentError) {
+        // One file may be used for several nodes; without a file, nodes alone tell errors apart.
         let same = |other: &DocumentError| {
             (other.span(), other.path(), other.message()) == (error.span(), error.path(), error.message())
+                && (error.path().is_some() || other.node() == error.node())
         };
         if !self.has_enough_errors() && !self.errors.iter().any(same) {
             self.errors.push(error);

@@ -1,6 +1,7 @@
 //! Subgraphs laid flat: one scope for the document and one for each use of a graph as a node.
 
 use std::{
+    ops::Deref,
     path::{Component, Path, PathBuf},
     sync::Arc,
 };
@@ -13,9 +14,37 @@ use crate::{
     document::{Body, Document, DocumentError, NODE_FIELDS},
 };
 
+/// A document where it is used: errors about it tell the node of the outermost document that they are found at.
+#[derive(Clone)]
+pub(super) struct Used {
+    document: Arc<Document>,
+    /// The node that stands for it; none for the outermost document itself.
+    outer: Option<Arc<str>>,
+}
+
+impl Deref for Used {
+    type Target = Document;
+
+    fn deref(&self) -> &Document {
+        &self.document
+    }
+}
+
+impl Used {
+    /// As [`Document::error`].
+    pub(super) fn error(&self, at: &[&str], message: impl Into<String>) -> DocumentError {
+        self.document.error(at, message).about(self.outer.as_deref())
+    }
+
+    /// As [`Document::error_at_key`].
+    pub(super) fn error_at_key(&self, at: &[&str], message: impl Into<String>) -> DocumentError {
+        self.document.error_at_key(at, message).about(self.outer.as_deref())
+    }
+}
+
 /// One use of a document.
 pub(super) struct Scope {
-    pub(super) document: Arc<Document>,
+    pub(super) document: Used,
     /// Empty, or `outer/`: what the names of its nodes start with.
     pub(super) prefix: String,
     /// The file's folder.
@@ -42,7 +71,7 @@ impl Compiler<'_> {
         let name = document.path().and_then(|path| Path::new(path).file_name());
         let file = normal(&name.map_or_else(|| dir.to_path_buf(), |name| dir.join(name)));
         self.scopes.push(Scope {
-            document: Arc::new(document.clone()),
+            document: Used { document: Arc::new(document.clone()), outer: None },
             prefix: String::new(),
             dir,
             parent: None,
@@ -101,9 +130,10 @@ impl Compiler<'_> {
             // A file that could not be read was reported when that was tried first.
             let Some(inner) = inner else { continue };
             let child = self.scopes.len();
+            let outer = document.outer.clone().unwrap_or_else(|| name.as_str().into());
             let bypassed = self.scopes[scope].bypassed || node.bypass;
             self.scopes.push(Scope {
-                document: inner,
+                document: Used { document: inner, outer: Some(outer) },
                 prefix: format!("{}{name}/", self.scopes[scope].prefix),
                 dir: file.parent().unwrap_or(Path::new("")).into(),
                 parent: Some((scope, name.clone())),
@@ -131,8 +161,9 @@ impl Compiler<'_> {
         match Document::from_bytes(&bytes, &name) {
             Ok(document) => Some(Arc::new(document)),
             Err(errors) => {
+                let outer = error(String::new());
                 for error in errors.into_vec() {
-                    self.report(error);
+                    self.report(error.about(outer.node()));
                 }
                 None
             }

@@ -7,14 +7,14 @@ use orograph_core::{Error, NodeType, ParamSpec, ParamValue, RawParams};
 
 use super::{
     Compiler, Place,
-    scope::no_field,
+    scope::{Used, no_field},
     settings::{AllSettings, NodeSettings, Origin, Setting},
     suggest,
     typed::{Given, typed, untyped},
 };
 use crate::{
     GraphError, NodeId,
-    document::{Body, Document, DocumentError, GRAPH, Link, NODE_FIELDS, Node},
+    document::{Body, DocumentError, GRAPH, Link, NODE_FIELDS, Node},
 };
 
 /// The checked values of one node.
@@ -131,7 +131,7 @@ impl Compiler<'_> {
     /// The type of a node, or why there is none here.
     fn node_type(
         &self,
-        document: &Document,
+        document: &Used,
         name: &str,
         id: &str,
         version: Option<u32>,
@@ -268,7 +268,8 @@ impl Compiler<'_> {
             }
             Origin::Override(index) => {
                 let (name, text) = &self.options.overrides[*index];
-                DocumentError::new(format!("in `{name}={text}`: {message}"))
+                let node = name.rsplit_once('.').and_then(|(path, _)| path.split('/').next());
+                DocumentError::new(format!("in `{name}={text}`: {message}")).about(node)
             }
         }
     }

@@ -42,13 +42,14 @@ pub struct DocumentError {
     message: String,
     label: Option<String>,
     help: Option<String>,
+    node: Option<Box<str>>,
 }
 
 impl DocumentError {
     /// An error about no place in a file, such as a refused override.
     #[must_use]
     pub fn new(message: impl Into<String>) -> Self {
-        Self { source: None, span: None, message: message.into(), label: None, help: None }
+        Self { source: None, span: None, message: message.into(), label: None, help: None, node: None }
     }
 
     pub(crate) fn at(source: &SourceText, span: Option<Range<usize>>, message: impl Into<String>) -> Self {
@@ -71,6 +72,19 @@ impl DocumentError {
     #[must_use]
     pub(crate) fn label(self, label: impl Into<String>) -> Self {
         Self { label: Some(label.into()), ..self }
+    }
+
+    /// About a node, unless none is named.
+    #[must_use]
+    pub(crate) fn about(self, node: Option<&str>) -> Self {
+        Self { node: node.map(Into::into).or(self.node), ..self }
+    }
+
+    /// The node of the outermost document that it is about; for what is wrong inside a subgraph the node that stands for
+    /// it.
+    #[must_use]
+    pub fn node(&self) -> Option<&str> {
+        self.node.as_deref()
     }
 
     /// The file, as it was named when it was read.

@@ -21,7 +21,7 @@ pub use error::{DocumentError, DocumentErrors};
 pub use literal::Literal;
 pub(crate) use literal::quote;
 pub(crate) use read::NODE_FIELDS;
-use syntax::{Shape, Tree};
+use syntax::{Parsed, Shape, Tree};
 pub(crate) use write::node_ron;
 
 /// The format version that this program reads and writes.
@@ -34,6 +34,8 @@ pub const GRAPH: &str = "graph";
 /// A graph file.
 #[derive(Clone, Debug, Default)]
 pub struct Document {
+    /// The comments before the graph, as they stand in the file.
+    pub header: String,
     /// What the graph shows.
     pub doc: String,
     /// Parameters of the graph as a whole, by name.
@@ -54,18 +56,20 @@ pub struct Document {
 struct Source {
     text: SourceText,
     tree: Tree,
+    /// There are comments inside the graph or after it.
+    has_inner_comments: bool,
     /// Places of the nodes among the tree's entries, so that messages about many nodes stay cheap.
     nodes: IndexMap<String, usize>,
 }
 
 impl Source {
-    fn new(text: SourceText, tree: Tree) -> Self {
+    fn new(text: SourceText, Parsed { tree, has_inner_comments }: Parsed) -> Self {
         let entries = find(&tree, text.text(), "nodes").and_then(|(_, nodes)| nodes.entries());
         let names = entries.into_iter().flatten().enumerate();
         let nodes = names
             .filter_map(|(index, entry)| Some((entry.key.name(text.text())?.to_owned(), index)))
             .collect();
-        Self { text, tree, nodes }
+        Self { text, tree, has_inner_comments, nodes }
     }
 
     /// The name and the value of a node.
@@ -215,7 +219,8 @@ pub struct Frame {
 /// Equal when they say the same, wherever they were read from and in whichever order.
 impl PartialEq for Document {
     fn eq(&self, other: &Self) -> bool {
-        self.doc == other.doc
+        self.header == other.header
+            && self.doc == other.doc
             && self.expose == other.expose
             && self.inputs == other.inputs
             && self.outputs == other.outputs
@@ -269,13 +274,14 @@ impl Document {
         }
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let source = SourceText::new(path, text.into());
-        let tree = syntax::read(text).map_err(|error| {
+        let parsed = syntax::parse(text).map_err(|error| {
             DocumentErrors::from(
                 DocumentError::at(&source, Some(error.span), error.message).maybe_help(error.help),
             )
         })?;
-        let mut document = read::document(&source, &tree)?;
-        document.source = Some(Arc::new(Source::new(source, tree)));
+        let mut document = read::document(&source, &parsed.tree)?;
+        document.header = canonical_header(&text[..parsed.tree.span.start]);
+        document.source = Some(Arc::new(Source::new(source, parsed)));
         Ok(document)
     }
 
@@ -297,6 +303,13 @@ impl Document {
         self.source.as_ref().map(|source| source.text.path())
     }
 
+    /// Whether the file that it was read from has comments inside the graph or after it, which
+    /// [`to_ron`](Self::to_ron) cannot keep.
+    #[must_use]
+    pub fn has_inner_comments(&self) -> bool {
+        self.source.as_ref().is_some_and(|source| source.has_inner_comments)
+    }
+
     /// An error about the value at `at`, such as `["nodes", "dem", "params", "file"]`, or about what holds it
     /// when the text has none there.
     pub(crate) fn error(&self, at: &[&str], message: impl Into<String>) -> DocumentError {
@@ -309,13 +322,20 @@ impl Document {
     }
 
     fn error_about(&self, at: &[&str], key: bool, message: impl Into<String>) -> DocumentError {
-        match &self.source {
+        let error = match &self.source {
             Some(source) => {
                 let span = source.locate(at, key);
                 DocumentError::at(&source.text, Some(span), message)
             }
             None => DocumentError::new(message),
-        }
+        };
+        let node = match at {
+            ["nodes", node, ..] => Some(*node),
+            ["expose", name, ..] => self.expose.get(*name).map(|exposed| exposed.param.node.as_str()),
+            ["outputs", name, ..] => self.outputs.get(*name).map(|link| link.node.as_str()),
+            _ => None,
+        };
+        error.about(node.filter(|node| self.nodes.contains_key(*node)))
     }
 
     /// The text of a node as it was read, when the node still says the same.
@@ -326,6 +346,12 @@ impl Document {
         let node = read::node_of(&source.text, tree)?;
         (self.nodes.get(name) == Some(&node)).then(|| &text[tree.span.clone()])
     }
+}
+
+/// Lines without space at their ends, nor empty ones around them.
+fn canonical_header(text: &str) -> String {
+    let lines: Vec<_> = text.trim().lines().map(str::trim_end).collect();
+    lines.join("\n")
 }
 
 /// The bytes of a graph file, no more of them than a graph may have and one.

@@ -88,10 +88,29 @@ impl Tree {
     }
 }
 
+/// A file's value, and what stands beside it.
+pub(crate) struct Parsed {
+    pub(crate) tree: Tree,
+    /// There are comments inside the value or after it.
+    pub(crate) has_inner_comments: bool,
+}
+
+/// Whether `text` is white space and comments alone.
+pub(crate) fn is_space(text: &str) -> bool {
+    let mut reader = Reader { text, at: 0, values: 0, comments: 0 };
+    reader.skip_space().is_ok() && reader.rest().is_empty()
+}
+
 /// Reads one value that fills the whole text.
 pub(crate) fn read(text: &str) -> Result<Tree, SyntaxError> {
-    let mut reader = Reader { text, at: 0, values: 0 };
+    parse(text).map(|parsed| parsed.tree)
+}
+
+/// As [`read`], telling of comments, too.
+pub(crate) fn parse(text: &str) -> Result<Parsed, SyntaxError> {
+    let mut reader = Reader { text, at: 0, values: 0, comments: 0 };
     reader.skip_space()?;
+    reader.comments = 0;
     if reader.rest().is_empty() {
         return Err(reader.expected("a graph", Some("the file is empty")));
     }
@@ -103,13 +122,15 @@ pub(crate) fn read(text: &str) -> Result<Tree, SyntaxError> {
     if !reader.rest().is_empty() {
         return Err(reader.expected("the end of the file after the closing bracket", None));
     }
-    Ok(tree)
+    Ok(Parsed { tree, has_inner_comments: reader.comments > 0 })
 }
 
 struct Reader<'a> {
     text: &'a str,
     at: usize,
     values: usize,
+    /// Comments passed over so far; one that is looked at twice counts twice.
+    comments: usize,
 }
 
 impl<'a> Reader<'a> {
@@ -153,8 +174,10 @@ impl<'a> Reader<'a> {
             self.at += rest.len() - trimmed.len();
             if trimmed.starts_with("//") {
                 self.at += trimmed.find('\n').unwrap_or(trimmed.len());
+                self.comments += 1;
             } else if trimmed.starts_with("/*") {
                 self.skip_block_comment()?;
+                self.comments += 1;
             } else {
                 return Ok(());
             }

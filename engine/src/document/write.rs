@@ -2,14 +2,15 @@
 
 use std::fmt::Write;
 
-use super::{Body, Document, FORMAT, Link, Literal, Node, quote};
+use super::{Body, Document, FORMAT, Link, Literal, Node, canonical_header, quote, syntax::is_space};
 use crate::Registry;
 
 /// A line longer than this is broken into one setting or wire a line.
 const WIDTH: usize = 100;
 
 impl Document {
-    /// The graph as text. Reading it gives an equal document, and writing that one the same text.
+    /// The graph as text. Reading it gives an equal document, and writing that one the same text. Of comments it has the
+    /// [`header`](Self::header) alone.
     ///
     /// A node whose type, or whose version of it, `registry` lacks is written back as it was read.
     #[must_use]
@@ -51,6 +52,9 @@ impl Writer {
     }
 
     fn document(&mut self, document: &Document, registry: &Registry) {
+        for line in header_lines(&document.header) {
+            self.line(0, &line);
+        }
         self.line(0, "(");
         self.line(1, &format!("format: {FORMAT},"));
         if !document.doc.is_empty() {
@@ -169,6 +173,17 @@ impl Writer {
         }
         self.line(1, "),");
     }
+}
+
+/// The lines of a header; what would be no comment in the file becomes one.
+fn header_lines(header: &str) -> Vec<String> {
+    let header = canonical_header(header);
+    let is_comment = is_space(&header);
+    let line = |line: &str| match is_comment {
+        true => line.to_owned(),
+        false => format!("// {line}").trim_end().to_owned(),
+    };
+    header.lines().map(line).collect()
 }
 
 /// Whether the registry has the node's type at the node's version or a later one.
