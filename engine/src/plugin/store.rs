@@ -87,3 +87,52 @@ impl Store {
         self.root.join(digest.to_string()).join(format!("scan-{OROGRAPH_ABI_MAJOR}.{OROGRAPH_ABI_MINOR}.ron"))
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::time::{Duration, SystemTime};
+
+    use super::*;
+
+    #[test]
+    fn a_copy_is_of_the_content_that_its_digest_names() {
+        let folder = tempfile::tempdir().unwrap();
+        let library = folder.path().join("lib.so");
+        let long_ago = SystemTime::now() - Duration::from_secs(3600);
+        let build = |content: &str, time: SystemTime| {
+            fs::write(&library, content).unwrap();
+            fs::File::options().write(true).open(&library).unwrap().set_modified(time).unwrap();
+        };
+        let cache = folder.path().join("cache");
+        // Each time as another process, which knows what the cache folder remembers.
+        let copy = |again: bool| {
+            let store = Store::open(Some(&cache)).unwrap();
+            let (digest, copy) = store.copy(&library, again).unwrap();
+            let content = fs::read_to_string(&copy).unwrap();
+            assert_eq!(digest, Digest::of(content.as_bytes()), "{content}");
+            (content, copy)
+        };
+        build("one", long_ago);
+        let (content, one) = copy(false);
+        assert_eq!(content, "one");
+        assert_eq!(copy(false).1, one);
+        build("two", long_ago + Duration::from_nanos(1));
+        assert_eq!(copy(false).0, "two", "another time of change");
+        build("three", long_ago);
+        assert_eq!(copy(false).0, "three", "another size");
+        // One that hides its change is as it was known, until it is looked at anew.
+        build("six", long_ago);
+        assert_eq!(copy(false).0, "one");
+        assert_eq!(copy(true).0, "six");
+        build("now", SystemTime::now());
+        assert_eq!(copy(false).0, "now");
+        build("two", SystemTime::now());
+        assert_eq!(copy(false).0, "two", "what was built this moment is read");
+        // A copy that is damaged, or gone, is made again.
+        build("one", long_ago);
+        fs::write(&one, "on").unwrap();
+        assert_eq!(copy(false).0, "one");
+        fs::remove_file(&one).unwrap();
+        assert_eq!(copy(false), ("one".to_owned(), one));
+    }
+}
