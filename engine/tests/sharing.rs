@@ -45,10 +45,19 @@ impl Observer for Ear {
     }
 }
 
+/// Cancels when it is dropped, so that a test that fails does not wait for what it began.
+struct Cancelling(CancelToken);
+
+impl Drop for Cancelling {
+    fn drop(&mut self) {
+        self.0.cancel();
+    }
+}
+
 /// One run of a graph's end, beside others.
 struct Running<'scope> {
     ear: Arc<Ear>,
-    cancel: CancelToken,
+    cancel: Cancelling,
     report: ScopedJoinHandle<'scope, (Report, Instant)>,
 }
 
@@ -62,7 +71,7 @@ impl<'scope> Running<'scope> {
         let request = Request::values(Arc::clone(graph), vec![OutputRef { node: *end, output: 0 }]);
         let (observer, token) = (Arc::clone(&ear), cancel.clone());
         let report = scope.spawn(move || (evaluator.run(request, observer, &token), Instant::now()));
-        Self { ear, cancel, report }
+        Self { ear, cancel: Cancelling(cancel), report }
     }
 
     /// Waits until the run hears that its node gets on, here or in another run.
@@ -73,7 +82,7 @@ impl<'scope> Running<'scope> {
     /// Cancels the run, which must then be over soon, and gives its report.
     fn cancelled(self) -> Report {
         let asked = Instant::now();
-        self.cancel.cancel();
+        self.cancel.0.cancel();
         let (report, over) = self.report.join().unwrap();
         assert!(over - asked < SOON, "a cancelled run took {:?}", over - asked);
         assert!(report.was_cancelled());
