@@ -1,8 +1,11 @@
 //! One run: worker tasks on the pool that take ready nodes from the table until none is left.
 
+mod report;
+mod sharing;
+
 use std::{
     sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak},
-    time::{Duration, Instant},
+    time::Instant,
 };
 
 use orograph_core::{Digest, Error, Job, NodeSpec, Slot, Value};
@@ -10,11 +13,11 @@ use orograph_core::{Digest, Error, Job, NodeSpec, Slot, Value};
 use super::{
     CancelToken, Request, Shared,
     call::call,
-    explain::{History, Print},
+    explain::History,
     host::TaskHost,
     key::{NodeKey, keys_of, visible_context},
     output::OutputFolder,
-    report::{Event, NodeReport, Observer, Outcome, Report},
+    report::{Event, Observer, Outcome},
     state::{Phase, Scheduler, State},
 };
 use crate::{
@@ -95,26 +98,6 @@ impl Run {
         drop(state);
         self.tell(&ended, 0.0);
         self.wait();
-    }
-
-    fn wait(&self) {
-        const POLL: Duration = Duration::from_millis(20);
-        let mut state = self.lock();
-        while !state.is_quiet() {
-            if self.cancel.is_cancelled() {
-                let mut scheduler = Scheduler::new(self, &mut state);
-                scheduler.leave();
-                let ended = scheduler.into_ended();
-                if !ended.is_empty() {
-                    let overall = self.overall(&state);
-                    drop(state);
-                    self.tell(&ended, overall);
-                    state = self.lock();
-                    continue;
-                }
-            }
-            state = self.quiet.wait_timeout(state, POLL).unwrap_or_else(PoisonError::into_inner).0;
-        }
     }
 
     /// Starts as many workers as there is work beyond `own`, what the caller will take itself.
@@ -260,31 +243,6 @@ impl Run {
         });
     }
 
-    /// Notes that a node wants its action; whether that is under way, so that the node need only wait.
-    pub(crate) fn want(&self, node: u32, action: Digest) -> bool {
-        self.shared.in_flight.want(action, &self.me, node, &self.cancel)
-    }
-
-    /// Takes back what [`want`](Self::want) noted of a node that was not told to wait.
-    pub(crate) fn forget(&self, node: u32, action: Digest) {
-        self.shared.in_flight.forget(action, &self.me, node);
-    }
-
-    /// Whether a node that runs here is wanted by another run, too, that was not cancelled. A writer writes into the folder
-    /// of this run alone.
-    pub(crate) fn goes_on_for_others(&self, node: u32, action: &Digest) -> bool {
-        !self.node(node).spec().is_some_and(|spec| spec.writes) && self.shared.in_flight.is_wanted(action)
-    }
-
-    fn resume(&self, node: u32, result: &Result<(), Error>) {
-        self.change(|scheduler| scheduler.resume(node, result));
-        let mut state = self.lock();
-        self.call_workers(&mut state, 0);
-        if state.is_quiet() {
-            self.quiet.notify_all();
-        }
-    }
-
     /// Moves nodes on under the lock, then wakes workers and tells the observer without it.
     fn change(&self, moves: impl FnOnce(&mut Scheduler<'_>)) {
         let mut state = self.lock();
@@ -323,60 +281,6 @@ impl Run {
 
     fn overall(&self, state: &State) -> f64 {
         if state.cost > 0.0 { (state.done_cost / state.cost).clamp(0.0, 1.0) } else { 0.0 }
-    }
-
-    pub(crate) fn report(&self) -> Report {
-        let state = self.lock();
-        let mut report = Report::default();
-        let mut prints = Vec::new();
-        for &id in &self.wanted {
-            let line = &state.lines[self.stand_in[id.index()] as usize];
-            let Some(mut outcome) = line.outcome.clone() else { continue };
-            let node = self.request.graph.node(id);
-            let record = line.record();
-            if outcome == Outcome::Computed && self.stand_in[id.index()] != id.0 {
-                // Another node with the same recipe ran for both.
-                outcome = Outcome::Hit(Tier::Memory);
-            }
-            let mut reason = None;
-            if self.request.history.is_some() {
-                let print = Print::of(node, self.request.context, &self.keys, &self.shared.cache);
-                if outcome == Outcome::Computed {
-                    reason = Some(self.history.reason(node, &print, &self.request.graph));
-                }
-                if record.is_some() {
-                    prints.push((node.name.clone(), print));
-                }
-            }
-            let names = node.spec().map(|spec| spec.outputs.as_slice()).unwrap_or_default();
-            let outputs = record.map(|record| {
-                names
-                    .iter()
-                    .zip(&record.outputs)
-                    .map(|(port, output)| (port.name.to_string(), output.digest))
-                    .collect()
-            });
-            report.nodes.push(NodeReport {
-                node: id,
-                name: node.name.clone(),
-                id: node.spec().map_or_else(String::new, |spec| spec.id.to_string()),
-                version: node.spec().map_or(0, |spec| spec.version),
-                outcome,
-                reason,
-                key: self.keys[id.index()].as_ref().and_then(|key| key.recipe),
-                micros: if self.stand_in[id.index()] == id.0 { line.micros } else { 0 },
-                outputs: outputs.unwrap_or_default(),
-                bytes: record.map_or(0, |record| record.outputs.iter().map(|output| output.bytes).sum()),
-                files: record.map(|record| record.files.clone()).unwrap_or_default(),
-                warnings: record.map(|record| record.warnings.clone()).unwrap_or_default(),
-            });
-            if let Some(record) = record {
-                report.records.insert(id, Arc::clone(record));
-            }
-        }
-        drop(state);
-        self.history.save(self.request.history.as_deref(), prints, &self.shared.cache);
-        report
     }
 
     fn lock(&self) -> MutexGuard<'_, State> {
