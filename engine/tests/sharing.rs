@@ -237,6 +237,22 @@ fn two_slow(number: f64, more: f64) -> (Arc<Graph>, NodeId) {
 }
 
 #[test]
+fn a_run_that_no_thread_has_come_to_is_over_as_soon() {
+    let evaluator = in_memory(1);
+    thread::scope(|scope| {
+        let busy = Running::begin(scope, &evaluator, &slow(4, 600_000, 1.0, 0.0));
+        busy.hears();
+        let waiting = Running::begin(scope, &evaluator, &slow(4, 0, 2.0, 0.0));
+        thread::sleep(Duration::from_millis(50));
+        waiting.cancelled();
+        busy.cancelled();
+        assert_eq!(count(4).0, 1);
+        // The thread serves others again.
+        assert_eq!(Running::begin(scope, &evaluator, &slow(4, 0, 3.0, 0.0)).number(), 3.0);
+    });
+}
+
+#[test]
 fn no_order_of_cancellations_loses_a_value_or_hangs() {
     // Which runs are cancelled, and when, in an order that is the same each time.
     let mut state = 1_u64;

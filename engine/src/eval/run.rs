@@ -113,6 +113,7 @@ impl Run {
     }
 
     fn work(&self) {
+        self.lock().begun += 1;
         loop {
             let mut state = self.lock();
             if self.cancel.is_cancelled() {
@@ -120,6 +121,7 @@ impl Run {
             }
             let Some(node) = state.ready.pop() else {
                 state.active -= 1;
+                state.begun -= 1;
                 if state.is_quiet() {
                     self.quiet.notify_all();
                 }

@@ -85,8 +85,10 @@ pub(crate) struct State {
     pub(crate) lines: Vec<Line>,
     /// Nodes that can run; the latest first, so that a branch is finished before the next is begun.
     pub(crate) ready: Vec<u32>,
-    /// Worker tasks on the pool.
+    /// Worker tasks on the pool, or waiting there for a thread.
     pub(crate) active: usize,
+    /// Those that have a thread. The others hold nobody up: they will find nothing to do.
+    pub(crate) begun: usize,
     /// Nodes that wait for another run.
     pub(crate) elsewhere: usize,
     /// Nodes that run on for other runs alone, each on a worker of this one, for which they are over.
@@ -105,6 +107,7 @@ impl State {
             lines: std::iter::repeat_with(Line::new).take(n_nodes).collect(),
             ready: Vec::new(),
             active: 0,
+            begun: 0,
             elsewhere: 0,
             left: Vec::new(),
             kept: Vec::new(),
@@ -130,7 +133,7 @@ impl State {
 
     /// Whether nothing is left to wait for.
     pub(crate) fn is_quiet(&self) -> bool {
-        self.active == self.left.len() && self.elsewhere == 0 && self.ready.is_empty()
+        self.begun == self.left.len() && self.elsewhere == 0 && self.ready.is_empty()
     }
 }
 
