@@ -4,6 +4,7 @@
 //! graph may never need them: a node of an unknown type, and an input that only an outer graph can supply.
 //! Both become [`Missing`] nodes, which are refused when an output needs them.
 
+mod lift;
 mod path;
 mod scope;
 mod settings;
@@ -16,7 +17,9 @@ use std::path::{Path, PathBuf};
 use indexmap::IndexMap;
 use orograph_core::{ParamSpec, ParamValue};
 
+pub use lift::{lifted, param_value};
 pub use path::{PathError, expand_path};
+pub use typed::Refused;
 
 use crate::{
     Graph, GraphBuilder, GraphError, NodeId, OutputRef, Registry,

@@ -17,7 +17,7 @@ pub(super) enum Given {
 }
 
 /// A message and what would mend it.
-pub(super) type Refused = (String, Option<String>);
+pub type Refused = (String, Option<String>);
 
 /// The value that a parameter of this spec gets, inside its hard range.
 pub(super) fn typed(given: &Given, spec: &ParamSpec) -> Result<ParamValue, Refused> {

@@ -1,0 +1,565 @@
+//! Commands and gestures made edits.
+
+use eframe::egui::{self, Event};
+use orograph_core::{ParamKind, ParamValue};
+use orograph_edit::{Interfaces, Kind, OpenFile, clipboard, operations, operations::Refused, subgraph};
+use orograph_engine::{
+    Document,
+    compile::lifted,
+    document::{Link, Literal},
+};
+
+use super::{
+    App, Command, Question,
+    dialogs::Then,
+    help::Page,
+    search::{Loose, Search},
+    variations::Variations,
+};
+use crate::{
+    app::command::ENTRIES,
+    canvas::Gesture,
+    inspector::Ask,
+    views::{Mode, Pane},
+};
+
+/// How far a second copy stands from the first.
+const BESIDE: f64 = 36.0;
+
+impl App {
+    /// Keys and events of the clipboard, unless a field of text has the keyboard.
+    pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        let typing = ctx.egui_wants_keyboard_input() || self.search.is_some();
+        let mut chosen = Vec::new();
+        ctx.input_mut(|input| {
+            for entry in &ENTRIES {
+                let Some(key) = entry.shortcut() else { continue };
+                // While text is typed, plain keys are letters, and undo is the field's own.
+                let text = typing && (!key.modifiers.command || entry.menu == super::Menu::Edit);
+                if !text && input.consume_shortcut(&key) {
+                    chosen.push(entry.command);
+                }
+            }
+        });
+        if !typing {
+            let events = ctx.input(|input| input.events.clone());
+            for event in events {
+                match event {
+                    Event::Copy => self.copy(ctx),
+                    Event::Cut => {
+                        self.copy(ctx);
+                        self.remove_chosen();
+                    }
+                    Event::Paste(text) => self.paste(&text),
+                    _ => {}
+                }
+            }
+        }
+        for command in chosen {
+            if self.can(command) {
+                self.command(ctx, command);
+            }
+        }
+    }
+
+    /// Whether a command has something to do.
+    pub(super) fn can(&self, command: Command) -> bool {
+        let selected = self.canvas.selection.len();
+        match command {
+            Command::Undo => self.editing.undo_label().is_some(),
+            Command::Redo => self.editing.redo_label().is_some(),
+            Command::Cut
+            | Command::Copy
+            | Command::Duplicate
+            | Command::Dissolve
+            | Command::Bypass
+            | Command::Frame
+            | Command::Collapse
+            | Command::Expand => selected > 0,
+            Command::Delete => selected > 0 || !self.canvas.wires.is_empty(),
+            Command::AlignLeft | Command::AlignTop => selected > 1,
+            _ => true,
+        }
+    }
+
+    /// Does what a command says.
+    pub fn command(&mut self, ctx: &egui::Context, command: Command) {
+        let names = self.chosen();
+        let refs: Vec<&str> = names.iter().map(String::as_str).collect();
+        match command {
+            Command::New => self.leave(Then::New),
+            Command::Open => self.leave(Then::Open),
+            Command::Save => self.save(),
+            Command::SaveAs => self.ask_file(Question::Save, super::dialogs::For::SaveAs),
+            Command::Quit => self.leave(Then::Quit),
+            Command::Undo => {
+                self.editing.undo();
+            }
+            Command::Redo => {
+                self.editing.redo();
+            }
+            Command::Cut => {
+                self.copy(ctx);
+                self.remove_chosen();
+            }
+            Command::Copy => self.copy(ctx),
+            Command::Paste => ctx.send_viewport_cmd(egui::ViewportCommand::RequestPaste),
+            Command::Duplicate => self.duplicate(&refs),
+            Command::Delete => self.remove_chosen(),
+            Command::Dissolve => {
+                self.edit("delete and join", |document, interfaces| {
+                    refs.iter().for_each(|name| operations::dissolve(document, interfaces, name));
+                    Ok(())
+                });
+            }
+            Command::SelectAll => self.canvas.select(self.editing.document().nodes.keys().cloned()),
+            Command::SelectNone => self.canvas.select([]),
+            Command::Add => {
+                let place = self.canvas.middle();
+                self.search = Some(Search::new(place, self.canvas.rect().center(), None));
+            }
+            Command::AddGraph => self.ask_file(Question::Graph, super::dialogs::For::Subgraph),
+            Command::Bypass => {
+                self.edit("bypass", |document, _| {
+                    operations::toggle_bypass(document, &refs);
+                    Ok(())
+                });
+            }
+            Command::Frame => self.frame(ctx, &refs),
+            Command::Collapse => self.ask_file(Question::Save, super::dialogs::For::Collapse(names.clone())),
+            Command::Expand => self.expand(&names),
+            Command::AlignLeft | Command::AlignTop => self.align(ctx, &refs, command == Command::AlignLeft),
+            Command::Arrange => self.arrange(ctx),
+            Command::Fit => self.canvas.fit(),
+            Command::Pin => {
+                let pin = self.panes.first().is_some_and(|pane| pane.pinned.is_none());
+                self.asked_of_pane(0, crate::views::Asked::Pin(pin), None);
+            }
+            Command::Split => match self.panes.len() {
+                1 => {
+                    let mut second = Pane::new("second view");
+                    // What was seen so far stays there to compare with.
+                    second.output.clone_from(&self.panes[0].output);
+                    second.pinned.clone_from(&second.output);
+                    second.mode = self.panes[0].mode.clone();
+                    self.panes.push(second);
+                }
+                _ => self.panes.truncate(1),
+            },
+            Command::Thumbnails => {
+                self.thumbnails = !self.thumbnails;
+                self.stale = true;
+            }
+            Command::Next => self.walk(true),
+            Command::Previous => self.walk(false),
+            Command::Build => self.build(),
+            Command::Stop => self.runner.stop(),
+            Command::Keys => self.help = Some(Page::keys()),
+            Command::Settings => self.help = Some(Page::settings(&self.registry)),
+        }
+    }
+
+    fn copy(&mut self, ctx: &egui::Context) {
+        let names = self.chosen();
+        if names.is_empty() {
+            return;
+        }
+        let document = self.placed();
+        let names: Vec<&str> = names.iter().map(String::as_str).collect();
+        ctx.copy_text(clipboard::copy(&document, &names, &self.registry));
+    }
+
+    /// The document with the places of all nodes, those that the canvas found as well.
+    fn placed(&self) -> Document {
+        let mut document = (**self.editing.document()).clone();
+        Self::settle(&mut document, self.canvas.automatic());
+        document
+    }
+
+    fn paste(&mut self, text: &str) {
+        let at = self.canvas.middle();
+        let pasted = self.editing.edit("paste", |document| clipboard::paste(document, text, at));
+        match pasted {
+            Ok(names) => self.canvas.select(names),
+            Err(errors) => {
+                let first = errors.errors().first().map(ToString::to_string).unwrap_or_default();
+                self.complain(format!("The clipboard holds no nodes: {first}"));
+            }
+        }
+    }
+
+    fn duplicate(&mut self, names: &[&str]) {
+        let document = self.placed();
+        let text = clipboard::copy(&document, names, &self.registry);
+        let places = names.iter().filter_map(|name| document.layout.nodes.get(*name).copied());
+        let corner = places.reduce(|a, b| (a.0.min(b.0), a.1.min(b.1))).unwrap_or_default();
+        let at = (corner.0 + BESIDE, corner.1 + BESIDE);
+        let automatic = self.canvas.automatic().clone();
+        let added = self.editing.edit("duplicate", |document| {
+            Self::settle(document, &automatic);
+            clipboard::paste(document, &text, at)
+        });
+        match added {
+            Ok(names) => self.canvas.select(names),
+            Err(errors) => self.complain(errors.to_string()),
+        }
+    }
+
+    fn frame(&mut self, ctx: &egui::Context, names: &[&str]) {
+        let Some((min, max)) = self.canvas.bounds(ctx, names) else { return };
+        let automatic = self.canvas.automatic().clone();
+        self.edit("frame", |document, _| {
+            Self::settle(document, &automatic);
+            operations::frame(document, "Frame", min, max);
+            Ok(())
+        });
+        let last = self.editing.document().layout.frames.len().saturating_sub(1);
+        self.title = Some((last, "Frame".into()));
+    }
+
+    fn expand(&mut self, names: &[String]) {
+        let laid = self.edit("expand", |document, interfaces| {
+            let mut laid = Vec::new();
+            for name in names {
+                laid.extend(subgraph::expand(document, interfaces, name)?);
+            }
+            Ok(laid)
+        });
+        if let Some(laid) = laid {
+            self.canvas.select(laid);
+        }
+    }
+
+    /// Folds nodes into the graph file `path`.
+    pub(super) fn collapse(&mut self, names: &[String], path: &std::path::Path) {
+        let folder = self.folder();
+        let name = match path.strip_prefix(&folder) {
+            Ok(inside) if !folder.as_os_str().is_empty() => inside.to_string_lossy().replace('\\', "/"),
+            _ => {
+                self.complain("Save the graph first, and the subgraph into its folder: graphs name each other relative to themselves");
+                return;
+            }
+        };
+        if name.contains('/') {
+            self.complain(
+                "Save the subgraph beside the graph: files that its nodes read are named relative to that",
+            );
+            return;
+        }
+        let refs: Vec<&str> = names.iter().map(String::as_str).collect();
+        let mut inner = None;
+        let node = self.edit("collapse", |document, interfaces| {
+            let (graph, node) = subgraph::collapse(document, interfaces, &refs, &name)?;
+            inner = Some(graph);
+            Ok(node)
+        });
+        let (Some(node), Some(inner)) = (node, inner) else { return };
+        let text = inner.to_ron(&self.registry);
+        if let Err(error) = orograph_engine::save_whole(path, text.as_bytes()) {
+            self.editing.undo();
+            self.complain(format!("{}: {error}", path.display()));
+            return;
+        }
+        self.interfaces.forget_graphs();
+        self.canvas.select([node]);
+    }
+
+    fn align(&mut self, ctx: &egui::Context, names: &[&str], left: bool) {
+        let Some((min, _)) = self.canvas.bounds(ctx, names) else { return };
+        let automatic = self.canvas.automatic().clone();
+        self.edit("align", |document, _| {
+            Self::settle(document, &automatic);
+            for name in names {
+                if let Some(place) = document.layout.nodes.get_mut(*name) {
+                    *place = if left { (min.0, place.1) } else { (place.0, min.1) };
+                }
+            }
+            Ok(())
+        });
+    }
+
+    fn arrange(&mut self, ctx: &egui::Context) {
+        let places = self.canvas.lay_out(ctx, &self.drawn, &self.wires);
+        self.edit("arrange", |document, _| {
+            document.layout.nodes.extend(places);
+            Ok(())
+        });
+        self.canvas.fit();
+    }
+
+    /// Selects a neighbour along the wires, or of an unconnected node the one after it.
+    fn walk(&mut self, ahead: bool) {
+        let document = self.editing.document().clone();
+        let now = self.canvas.selection.last().cloned();
+        let next = now.and_then(|now| match ahead {
+            true => self.wires.iter().find(|(from, _)| from.node == now).map(|(_, to)| to.node.clone()),
+            false => self.wires.iter().find(|(_, to)| to.node == now).map(|(from, _)| from.node.clone()),
+        });
+        let next = next
+            .or_else(|| self.canvas.selection.is_empty().then(|| document.nodes.keys().next().cloned())?);
+        if let Some(next) = next {
+            self.canvas.select([next]);
+        }
+    }
+
+    /// Does what a gesture on the canvas says.
+    pub(super) fn gesture(&mut self, ctx: &egui::Context, gesture: Gesture) {
+        match gesture {
+            Gesture::Selected => self.editing.end_gesture(),
+            Gesture::Move(places) => {
+                let automatic = self.canvas.automatic().clone();
+                self.edit("move", |document, _| {
+                    Self::settle(document, &automatic);
+                    document.layout.nodes.extend(places);
+                    Ok(())
+                });
+            }
+            Gesture::Connect(wire) => self.connect(wire),
+            Gesture::DropWire(port, is_output, place) => {
+                let value_type = self.port_type(&port, is_output);
+                let at = ctx.input(|input| input.pointer.latest_pos()).unwrap_or(self.canvas.rect().center());
+                self.search = Some(Search::new(place, at, Some(Loose { port, is_output, value_type })));
+            }
+            Gesture::Disconnect(wires) => {
+                self.edit("disconnect", |document, _| {
+                    wires.iter().for_each(|(from, to)| operations::disconnect(document, from, to));
+                    Ok(())
+                });
+            }
+            Gesture::Remove(names) => {
+                self.edit("delete", |document, _| {
+                    operations::remove(document, &names.iter().map(String::as_str).collect::<Vec<_>>());
+                    Ok(())
+                });
+            }
+            Gesture::Search(place) => {
+                let at = ctx.input(|input| input.pointer.latest_pos()).unwrap_or(self.canvas.rect().center());
+                self.search = Some(Search::new(place, at, None));
+            }
+            Gesture::MoveFrame(index, offset) => self.move_frame(index, offset),
+            Gesture::RenameFrame(index) => {
+                let title = self.editing.document().layout.frames.get(index).map(|frame| frame.title.clone());
+                self.title = title.map(|title| (index, title));
+            }
+        }
+    }
+
+    pub(super) fn connect(&mut self, (from, to): (Link, Link)) {
+        let interfaces = &mut self.interfaces;
+        let done =
+            self.editing.edit("connect", |document| operations::connect(document, interfaces, &from, &to));
+        if let Err(refused) = done {
+            self.refused = Some((refused, (from, to)));
+        }
+    }
+
+    /// A frame takes along what stands in it.
+    fn move_frame(&mut self, index: usize, (dx, dy): (f64, f64)) {
+        let automatic = self.canvas.automatic().clone();
+        self.edit("move frame", |document, _| {
+            Self::settle(document, &automatic);
+            let Some(frame) = document.layout.frames.get_mut(index) else { return Ok(()) };
+            let (x, y, width, height) = frame.rect;
+            frame.rect = (x + dx, y + dy, width, height);
+            for (px, py) in document.layout.nodes.values_mut() {
+                if (x..=x + width).contains(px) && (y..=y + height).contains(py) {
+                    (*px, *py) = (*px + dx, *py + dy);
+                }
+            }
+            Ok(())
+        });
+    }
+
+    /// Does what the inspector asks for.
+    pub(super) fn ask(&mut self, ask: Ask) {
+        match ask {
+            Ask::Done => self.editing.end_gesture(),
+            Ask::Set(link, value) => self.set(&link, &value),
+            Ask::Reset(link) => {
+                self.edit("reset", |document, interfaces| {
+                    lift(document, interfaces, &link.node)?;
+                    operations::set_param(document, &link.node, &link.port, None)
+                });
+            }
+            Ask::Expose(link) => {
+                self.edit("expose", |document, _| Ok(operations::expose(document, link)));
+            }
+            Ask::Hide(name) => {
+                self.edit("do not expose", |document, _| Ok(document.expose.shift_remove(&name)));
+            }
+            Ask::Vary(link) => self.vary(link),
+            Ask::Rename(old, new) => {
+                let renamed =
+                    self.editing.edit("rename", |document| operations::rename(document, &old, &new));
+                match renamed {
+                    Ok(()) => {
+                        self.canvas.select([new]);
+                        self.inspector.name_refused = None;
+                    }
+                    Err(refused) => {
+                        self.inspector.name_refused = Some(format!("{refused}: {}", refused.help))
+                    }
+                }
+            }
+            Ask::Comment(name, comment) => {
+                let _: Result<(), Refused> =
+                    self.editing.drag(&format!("comment {name}"), "comment", |document| {
+                        if let Some(node) = document.nodes.get_mut(&name) {
+                            node.comment = comment;
+                        }
+                        Ok(())
+                    });
+            }
+            Ask::Doc(doc) => {
+                let _: Result<(), Refused> = self.editing.drag("about", "about the graph", |document| {
+                    document.doc = doc;
+                    Ok(())
+                });
+            }
+            Ask::Bypass(name) => {
+                self.edit("bypass", |document, _| {
+                    operations::toggle_bypass(document, &[&name]);
+                    Ok(())
+                });
+            }
+            Ask::File(link, writes) => {
+                let question = if writes { Question::Output } else { Question::Input };
+                self.ask_file(question, super::dialogs::For::Param(link));
+            }
+            Ask::Help(name) => {
+                let document = self.editing.document().clone();
+                if let Some(node) = document.nodes.get(&name)
+                    && let Some(spec) = self.interfaces.of(&name, node, &document).spec()
+                {
+                    self.help = Some(Page::node(spec.clone()));
+                }
+            }
+            Ask::AddOutput(link) => {
+                self.edit("name output", |document, _| {
+                    let name = (1..)
+                        .map(|n| if n == 1 { link.port.clone() } else { format!("{}_{n}", link.port) })
+                        .find(|name| !document.outputs.contains_key(name))
+                        .unwrap_or_default();
+                    document.outputs.insert(name, link);
+                    Ok(())
+                });
+            }
+            Ask::RemoveOutput(name) => {
+                self.edit("remove output", |document, _| Ok(document.outputs.shift_remove(&name)));
+            }
+        }
+    }
+
+    /// Sets a parameter; edits in a row of one parameter are one step until the widget is let go.
+    pub(super) fn set(&mut self, link: &Link, value: &ParamValue) {
+        let interfaces = &mut self.interfaces;
+        let literal = Literal::from(value);
+        let done = self.editing.drag(&format!("set {link}"), &format!("set {link}"), |document| {
+            lift(document, interfaces, &link.node)?;
+            operations::set_param(document, &link.node, &link.port, Some(literal))
+        });
+        if let Err(refused) = done {
+            self.complain(format!("{refused}: {}", refused.help));
+        }
+    }
+
+    fn vary(&mut self, link: Link) {
+        let document = self.editing.document().clone();
+        let Some(node) = document.nodes.get(&link.node) else { return };
+        let interface = self.interfaces.of(&link.node, node, &document);
+        let Some(offered) = interface.params.iter().find(|param| param.name == link.port) else { return };
+        let Some(output) = self.panes.first().and_then(|pane| pane.output.clone()) else { return };
+        let Some(value_type) = self.type_of(&output) else { return };
+        let Some(look) =
+            orograph_edit::looks::of(&self.registry, value_type).first().map(|spec| spec.id.to_string())
+        else {
+            self.complain(format!("`{output}` has no picture"));
+            return;
+        };
+        self.variations = Some(Variations::new(link, &offered.spec, output, look));
+    }
+
+    /// Adds the node that was searched for, and joins the loose wire to it.
+    pub(super) fn add_found(&mut self, id: &str, search: &Search) {
+        let Some(node_type) = self.registry.get(id).cloned() else { return };
+        let automatic = self.canvas.automatic().clone();
+        let (place, loose) = (search.place, search.loose.clone());
+        let added = self.edit("add", |document, interfaces| {
+            Self::settle(document, &automatic);
+            let name = operations::add(document, &node_type, place);
+            if let Some(loose) = &loose
+                && let Some(port) = super::search::port_for(node_type.spec(), loose)
+            {
+                let port = Link::new(&name, port);
+                let (from, to) = if loose.is_output { (&loose.port, &port) } else { (&port, &loose.port) };
+                operations::connect(document, interfaces, from, to)?;
+            }
+            Ok(name)
+        });
+        if let Some(name) = added {
+            self.canvas.select([name]);
+        }
+    }
+
+    /// Saves to the file at hand, or asks for one.
+    pub(super) fn save(&mut self) {
+        let Some(file) = &mut self.file else {
+            self.ask_file(Question::Save, super::dialogs::For::SaveAs);
+            return;
+        };
+        match file.save(self.editing.document(), &self.registry) {
+            Ok(()) => {
+                let text = format!("Saved {}", file.path().display());
+                self.editing.saved();
+                self.kept = u64::MAX;
+                self.tell(text);
+            }
+            Err(orograph_edit::file::SaveError::ChangedOnDisk(_)) => self.watch.ask(),
+            Err(error) => self.complain(error.to_string()),
+        }
+    }
+
+    pub(super) fn save_as(&mut self, path: std::path::PathBuf) {
+        let path = if path.extension().is_none() { path.with_extension("ron") } else { path };
+        let mut file = OpenFile::new(path);
+        match file.save(self.editing.document(), &self.registry) {
+            Ok(()) => {
+                let folder = file.path().parent().map(std::path::Path::to_owned).unwrap_or_default();
+                self.tell(format!("Saved {}", file.path().display()));
+                if folder != self.folder() && self.reads_files() {
+                    self.complain("Files that nodes read are named relative to the graph: see that they are found from its new folder");
+                }
+                self.interfaces = Interfaces::new(self.registry.clone(), folder);
+                self.file = Some(file);
+                self.editing.saved();
+                self.kept = u64::MAX;
+                self.asked = None;
+            }
+            Err(error) => self.complain(error.to_string()),
+        }
+    }
+
+    fn reads_files(&mut self) -> bool {
+        let document = self.editing.document().clone();
+        document.nodes.iter().any(|(name, node)| {
+            let interface = self.interfaces.of(name, node, &document);
+            matches!(interface.kind, Kind::Graph(_))
+                || interface.params.iter().any(|param| param.spec.kind == ParamKind::InputPath)
+        })
+    }
+
+    pub(super) fn pane_mode(&mut self, index: usize, mode: Mode) {
+        self.panes[index].mode = mode;
+    }
+}
+
+/// Brings a node's settings up to the current version of its type before one of them changes.
+fn lift(document: &mut Document, interfaces: &mut Interfaces, name: &str) -> Result<(), Refused> {
+    let Some(node) = document.nodes.get(name) else { return Ok(()) };
+    if let Kind::Type(node_type) = interfaces.of(name, node, document).kind {
+        let lifted = lifted(node, &node_type)
+            .map_err(|error| Refused::new(error.to_string(), error.hint().unwrap_or_default()))?;
+        document.nodes.insert(name.to_owned(), lifted);
+    }
+    Ok(())
+}

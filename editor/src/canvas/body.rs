@@ -1,0 +1,113 @@
+//! What a node looks like: title, ports, picture, state.
+
+use eframe::egui::{self, Color32, RichText, vec2};
+use egui_graph::{FramedResponse, NodeCtx};
+use orograph_edit::Badge;
+
+use super::NodeView;
+use crate::theme;
+
+/// Width of a node.
+pub(super) const WIDTH: f32 = 190.0;
+const THUMBNAIL: f32 = 96.0;
+
+pub(super) fn show(ctx: NodeCtx<'_>, node: &NodeView) -> FramedResponse<()> {
+    ctx.framed(|ui, sockets| {
+        ui.set_width(WIDTH - 20.0);
+        ui.spacing_mut().item_spacing.y = 3.0;
+        title(ui, node);
+        let rows = node.inputs.len().max(node.outputs.len());
+        for row in 0..rows {
+            let (input, output) = (node.inputs.get(row), node.outputs.get(row));
+            let at = |there: bool| there.then_some(row);
+            sockets.row(ui, at(input.is_some()), at(output.is_some()), |ui| {
+                ui.horizontal(|ui| {
+                    ui.set_width(WIDTH - 20.0);
+                    if let Some(port) = input {
+                        ui.add(egui::Label::new(RichText::new(&port.name).small()).selectable(false));
+                    }
+                    if let Some(port) = output {
+                        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                            ui.add(egui::Label::new(RichText::new(&port.name).small()).selectable(false));
+                        });
+                    }
+                });
+            });
+        }
+        if let Some(picture) = node.thumbnail {
+            ui.vertical_centered(|ui| {
+                ui.image(egui::load::SizedTexture::new(picture, vec2(THUMBNAIL, THUMBNAIL)));
+            });
+        }
+        if !node.comment.is_empty() {
+            ui.add(
+                egui::Label::new(RichText::new(&node.comment).italics().weak().small())
+                    .selectable(false)
+                    .wrap(),
+            );
+        }
+        state(ui, node);
+    })
+}
+
+fn title(ui: &mut egui::Ui, node: &NodeView) {
+    let dark = ui.visuals().dark_mode;
+    let fill = if node.unknown { Color32::from_gray(90) } else { theme::family(&node.family, dark) };
+    let fill = if node.bypass { fill.gamma_multiply(0.35) } else { fill };
+    let frame = egui::Frame::new().fill(fill).corner_radius(3.0).inner_margin(egui::Margin::symmetric(6, 2));
+    let response = frame.show(ui, |ui| {
+        ui.set_width(WIDTH - 32.0);
+        let text = RichText::new(&node.name).strong();
+        let text = if node.bypass { text.strikethrough() } else { text };
+        ui.add(egui::Label::new(text).selectable(false).truncate());
+        ui.add(egui::Label::new(RichText::new(&node.kind).small().weak()).selectable(false).truncate());
+    });
+    response.response.on_hover_text(&node.summary);
+}
+
+fn state(ui: &mut egui::Ui, node: &NodeView) {
+    let small = |text: String| egui::Label::new(RichText::new(text).small().weak()).selectable(false);
+    if let Some(fault) = &node.fault {
+        let text = RichText::new(fault).small().color(theme::FAULT);
+        ui.add(egui::Label::new(text).selectable(false).wrap());
+        return;
+    }
+    match &node.badge {
+        Some(Badge::Running(done)) => {
+            ui.add(egui::ProgressBar::new(*done as f32).desired_height(6.0));
+        }
+        Some(Badge::Done { how, micros, bytes, warnings }) => {
+            ui.horizontal(|ui| {
+                let time = if *how == "computed" { format!(" {}", duration(*micros)) } else { String::new() };
+                ui.add(small(format!("{how}{time} · {}", size(*bytes))));
+                if !warnings.is_empty() {
+                    let mark = RichText::new("!").small().strong().color(theme::WARNING);
+                    ui.add(egui::Label::new(mark).selectable(false)).on_hover_text(warnings.join("\n"));
+                }
+            });
+        }
+        Some(Badge::Failed(fault)) => {
+            let text = RichText::new(&fault.message).small().color(theme::FAULT);
+            let response = ui.add(egui::Label::new(text).selectable(false).wrap());
+            if let Some(help) = &fault.help {
+                response.on_hover_text(help);
+            }
+        }
+        None => {}
+    }
+}
+
+fn duration(micros: u64) -> String {
+    match micros {
+        0..1_000 => format!("{micros} µs"),
+        1_000..1_000_000 => format!("{:.1} ms", micros as f64 / 1e3),
+        _ => format!("{:.2} s", micros as f64 / 1e6),
+    }
+}
+
+fn size(bytes: u64) -> String {
+    match bytes {
+        0..1_000_000 => format!("{:.0} kB", bytes as f64 / 1e3),
+        _ => format!("{:.1} MB", bytes as f64 / 1e6),
+    }
+}

@@ -1,0 +1,523 @@
+//! The canvas: nodes and wires drawn, gestures told. It keeps no model; what a gesture means is decided elsewhere.
+//!
+//! The one place that knows the widget library for graphs. It is given what to draw in every frame and answers with
+//! [`Gesture`]s in the document's words, so another library would change this folder alone.
+
+mod body;
+mod overview;
+
+use std::collections::HashSet;
+
+use eframe::egui::{self, Pos2, Rect, Vec2, emath::TSTransform, pos2, vec2};
+use egui_graph::{
+    NodeId, SocketKind,
+    edge::{Edge, EdgeShape},
+    node::{EdgeEvent, Node as Widget},
+};
+use indexmap::{IndexMap, IndexSet};
+use orograph_core::ValueType;
+use orograph_edit::Badge;
+use orograph_engine::document::{Frame, Link};
+
+use crate::theme;
+
+/// A port as it is drawn.
+#[derive(Clone, Debug)]
+pub struct PortView {
+    /// Its name.
+    pub name: String,
+    /// The type of its wires.
+    pub value_type: Option<ValueType>,
+    /// What it carries.
+    pub doc: String,
+}
+
+/// A node as it is drawn.
+#[derive(Clone, Debug)]
+pub struct NodeView {
+    /// Its name.
+    pub name: String,
+    /// What it is: a type's id or a graph's file.
+    pub kind: String,
+    /// The part of the id that its colour goes by.
+    pub family: String,
+    /// What it does, in a sentence.
+    pub summary: String,
+    /// Its inputs.
+    pub inputs: Vec<PortView>,
+    /// Its outputs.
+    pub outputs: Vec<PortView>,
+    /// Where it stands, when the document says so.
+    pub position: Option<(f64, f64)>,
+    /// It hands its inputs on.
+    pub bypass: bool,
+    /// It is a placeholder.
+    pub unknown: bool,
+    /// Why it is there.
+    pub comment: String,
+    /// How it stands.
+    pub badge: Option<Badge>,
+    /// What is wrong with it.
+    pub fault: Option<String>,
+    /// A small picture of what it gives.
+    pub thumbnail: Option<egui::TextureId>,
+}
+
+/// A wire from an output to an input.
+pub type Wire = (Link, Link);
+
+/// What the user did.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Gesture {
+    /// Nodes were moved to these places.
+    Move(Vec<(String, (f64, f64))>),
+    /// A wire was drawn from an output to an input.
+    Connect(Wire),
+    /// A wire was drawn into empty space: from this port, an output when the flag says so.
+    DropWire(Link, bool, (f64, f64)),
+    /// Wires are to go.
+    Disconnect(Vec<Wire>),
+    /// Nodes are to go.
+    Remove(Vec<String>),
+    /// A node is to be added at this place.
+    Search((f64, f64)),
+    /// The selection is another one.
+    Selected,
+    /// A frame was moved, with the nodes in it.
+    MoveFrame(usize, (f64, f64)),
+    /// A frame's title was clicked twice.
+    RenameFrame(usize),
+}
+
+/// The state of the view: where one looks, and what is selected.
+#[derive(Default)]
+pub struct Canvas {
+    view: egui_graph::View,
+    /// Selected nodes.
+    pub selection: IndexSet<String>,
+    /// Selected wires.
+    pub wires: IndexSet<Wire>,
+    /// Where nodes stand that the document gives no place.
+    automatic: IndexMap<String, (f64, f64)>,
+    from: Option<(String, SocketKind, usize)>,
+    select: Option<HashSet<NodeId>>,
+    frame_drag: Option<(usize, Vec2)>,
+    /// From places in the graph to places in the window, of the last frame.
+    to_window: TSTransform,
+    rect: Option<Rect>,
+    fit: bool,
+}
+
+fn id() -> egui::Id {
+    egui_graph::id("graph")
+}
+
+fn node_id(name: &str) -> NodeId {
+    NodeId::new(name)
+}
+
+impl Canvas {
+    /// Shows all of the graph in the next frame.
+    pub fn fit(&mut self) {
+        self.fit = true;
+    }
+
+    /// Selects these nodes.
+    pub fn select(&mut self, names: impl IntoIterator<Item = String>) {
+        self.selection = names.into_iter().collect();
+        self.wires.clear();
+        self.select = Some(self.selection.iter().map(|name| node_id(name)).collect());
+    }
+
+    /// A place in the graph under a place in the window.
+    #[must_use]
+    pub fn place_at(&self, pos: Pos2) -> (f64, f64) {
+        let pos = self.to_window.inverse() * pos;
+        (f64::from(pos.x), f64::from(pos.y))
+    }
+
+    /// From places in the graph to places in the window.
+    #[must_use]
+    pub fn to_window(&self) -> TSTransform {
+        self.to_window
+    }
+
+    /// The middle of what is seen.
+    #[must_use]
+    pub fn middle(&self) -> (f64, f64) {
+        self.place_at(self.rect().center())
+    }
+
+    /// The part of the window that the canvas takes.
+    #[must_use]
+    pub fn rect(&self) -> Rect {
+        self.rect.unwrap_or(Rect::ZERO)
+    }
+
+    /// Where the canvas puts nodes that the document gives no place.
+    #[must_use]
+    pub fn automatic(&self) -> &IndexMap<String, (f64, f64)> {
+        &self.automatic
+    }
+
+    /// Lays out all nodes anew, those with a place as well.
+    pub fn lay_out(
+        &mut self,
+        ctx: &egui::Context,
+        nodes: &[NodeView],
+        wires: &[Wire],
+    ) -> Vec<(String, (f64, f64))> {
+        arrangement(ctx, nodes, wires)
+    }
+
+    /// The least rectangle around nodes, by their drawn sizes.
+    #[must_use]
+    pub fn bounds(&self, ctx: &egui::Context, names: &[&str]) -> Option<((f64, f64), (f64, f64))> {
+        let sizes = sizes(ctx);
+        let rects = names.iter().filter_map(|name| {
+            let id = node_id(name);
+            let size = sizes.get(&id).copied().unwrap_or(DEFAULT_SIZE);
+            Some(Rect::from_min_size(*self.view.layout.get(&id)?, size))
+        });
+        let all = rects.reduce(Rect::union)?;
+        let corner = |pos: Pos2| (f64::from(pos.x), f64::from(pos.y));
+        Some((corner(all.min), corner(all.max)))
+    }
+
+    /// Draws the graph and tells what the user did.
+    pub fn show(
+        &mut self,
+        ui: &mut egui::Ui,
+        nodes: &[NodeView],
+        wires: &[Wire],
+        frames: &[Frame],
+    ) -> Vec<Gesture> {
+        self.rect = Some(ui.available_rect_before_wrap());
+        let ctx = ui.ctx().clone();
+        self.place(&ctx, nodes, wires);
+        let mut gestures = Vec::new();
+        if std::mem::take(&mut self.fit) {
+            self.look_at_all(&ctx, nodes);
+        }
+        let index: IndexMap<NodeId, usize> =
+            nodes.iter().enumerate().map(|(index, node)| (node_id(&node.name), index)).collect();
+        let mut graph =
+            egui_graph::Graph::from_id(id()).zoom_range(0.1..=2.0).snap(Some(egui_graph::Snap::Round));
+        if let Some(selection) = self.select.take() {
+            graph = graph.selected_nodes(selection);
+        }
+        let mut view = std::mem::take(&mut self.view);
+        let response = graph.show(&mut view, ui, |ui, show| {
+            self.to_window = ui.ctx().layer_transform_to_global(ui.layer_id()).unwrap_or_default();
+            self.frames(ui, frames, &mut gestures);
+            let mut removed = Vec::new();
+            let show = show.nodes(ui, |nodes_ctx, ui| {
+                for node in nodes {
+                    self.node(nodes_ctx, ui, node, nodes, &mut gestures, &mut removed);
+                }
+            });
+            if !removed.is_empty() {
+                gestures.push(Gesture::Remove(removed));
+            }
+            show.edges(ui, |edges_ctx, ui| self.edges(edges_ctx, ui, nodes, wires, &mut gestures));
+        });
+        self.view = view;
+        if let Some(selected) = response.selection_changed {
+            let names = nodes.iter().map(|node| &node.name);
+            self.selection = names.filter(|name| selected.contains(&node_id(name))).cloned().collect();
+            gestures.push(Gesture::Selected);
+        }
+        if response.nodes_moved {
+            let moved = self.selection.iter().filter_map(|name| {
+                let pos = self.view.layout.get(&node_id(name))?;
+                index.get(&node_id(name)).map(|_| (name.clone(), (f64::from(pos.x), f64::from(pos.y))))
+            });
+            gestures.push(Gesture::Move(moved.collect()));
+        }
+        self.background(ui, &response.response, &mut gestures);
+        if let Some(rect) = overview::show(ui, self.rect(), &self.rects(&ctx, nodes), self.view.scene_rect) {
+            self.view.scene_rect = rect;
+        }
+        gestures
+    }
+
+    /// Clicks beside the nodes.
+    fn background(&mut self, ui: &egui::Ui, response: &egui::Response, gestures: &mut Vec<Gesture>) {
+        let pointer = ui.input(|input| input.pointer.latest_pos());
+        let asked = response.secondary_clicked() || response.double_clicked();
+        if asked && let Some(pos) = pointer {
+            gestures.push(Gesture::Search(self.place_at(pos)));
+        }
+        if response.clicked() && !self.wires.is_empty() {
+            self.wires.clear();
+        }
+    }
+
+    /// Brings the widget's layout in line with the document, but for what is being dragged.
+    fn place(&mut self, ctx: &egui::Context, nodes: &[NodeView], wires: &[Wire]) {
+        let homeless =
+            nodes.iter().any(|node| node.position.is_none() && !self.automatic.contains_key(&node.name));
+        if homeless {
+            let all = arrangement(ctx, nodes, wires);
+            self.automatic = all.into_iter().collect();
+        }
+        let dragging = ctx.input(|input| input.pointer.primary_down());
+        let mut layout = egui_graph::Layout::default();
+        for node in nodes {
+            let id = node_id(&node.name);
+            let place = node.position.or_else(|| self.automatic.get(&node.name).copied()).unwrap_or_default();
+            let place = pos2(place.0 as f32, place.1 as f32);
+            let held = self.view.layout.get(&id).filter(|_| dragging && self.selection.contains(&node.name));
+            layout.insert(id, held.copied().unwrap_or(place));
+        }
+        self.view.layout = layout;
+        let there: HashSet<&str> = nodes.iter().map(|node| node.name.as_str()).collect();
+        self.selection.retain(|name| there.contains(name.as_str()));
+        self.wires.retain(|wire| wires.contains(wire));
+    }
+
+    fn rects(&self, ctx: &egui::Context, nodes: &[NodeView]) -> Vec<(Rect, egui::Color32)> {
+        let (sizes, dark) = (sizes(ctx), ctx.global_style().visuals.dark_mode);
+        let rect = |node: &NodeView| {
+            let id = node_id(&node.name);
+            let size = sizes.get(&id).copied().unwrap_or(DEFAULT_SIZE);
+            Some((Rect::from_min_size(*self.view.layout.get(&id)?, size), theme::family(&node.family, dark)))
+        };
+        nodes.iter().filter_map(rect).collect()
+    }
+
+    fn look_at_all(&mut self, ctx: &egui::Context, nodes: &[NodeView]) {
+        let all = self.rects(ctx, nodes).into_iter().map(|(rect, _)| rect).reduce(Rect::union);
+        let Some(all) = all else { return };
+        // As large as drawn where that fits, else smaller.
+        let all = all.expand(40.0);
+        let size = all.size().max(self.rect().size());
+        self.view.scene_rect = Rect::from_center_size(all.center(), size);
+    }
+
+    fn frames(&mut self, ui: &mut egui::Ui, frames: &[Frame], gestures: &mut Vec<Gesture>) {
+        for (index, frame) in frames.iter().enumerate() {
+            let (x, y, width, height) = frame.rect;
+            let mut rect = Rect::from_min_size(pos2(x as f32, y as f32), vec2(width as f32, height as f32));
+            if let Some((_, offset)) = self.frame_drag.filter(|(dragged, _)| *dragged == index) {
+                rect = rect.translate(offset);
+            }
+            let visuals = ui.visuals();
+            ui.painter().rect(
+                rect,
+                6.0,
+                visuals.faint_bg_color.gamma_multiply(1.5),
+                egui::Stroke::new(1.0, visuals.weak_text_color()),
+                egui::StrokeKind::Inside,
+            );
+            let bar = Rect::from_min_size(rect.min, vec2(rect.width(), 24.0));
+            ui.painter().text(
+                bar.min + vec2(8.0, 4.0),
+                egui::Align2::LEFT_TOP,
+                &frame.title,
+                egui::FontId::proportional(15.0),
+                visuals.strong_text_color(),
+            );
+            let response = ui.interact(bar, id().with(("frame", index)), egui::Sense::click_and_drag());
+            response.widget_info(|| {
+                egui::WidgetInfo::labeled(egui::WidgetType::Button, true, format!("frame {}", frame.title))
+            });
+            if response.double_clicked() {
+                gestures.push(Gesture::RenameFrame(index));
+            }
+            if response.dragged() {
+                let so_far = self
+                    .frame_drag
+                    .filter(|(dragged, _)| *dragged == index)
+                    .map_or(Vec2::ZERO, |drag| drag.1);
+                self.frame_drag = Some((index, so_far + response.drag_delta()));
+            }
+            if response.drag_stopped()
+                && let Some((_, offset)) = self.frame_drag.take()
+            {
+                gestures.push(Gesture::MoveFrame(index, (f64::from(offset.x), f64::from(offset.y))));
+            }
+        }
+    }
+
+    fn node(
+        &mut self,
+        nodes_ctx: &mut egui_graph::NodesCtx<'_>,
+        ui: &mut egui::Ui,
+        node: &NodeView,
+        nodes: &[NodeView],
+        gestures: &mut Vec<Gesture>,
+        removed: &mut Vec<String>,
+    ) {
+        let response = Widget::from_id(node_id(&node.name))
+            .inputs(node.inputs.len())
+            .outputs(node.outputs.len())
+            .flow(egui::Direction::LeftToRight)
+            .max_width(body::WIDTH)
+            .socket_color(egui::Color32::TRANSPARENT)
+            .socket_radius(5.0)
+            .animation_time(0.0)
+            .show_or_cull(nodes_ctx, ui, |ctx| body::show(ctx, node));
+        let ports = [("input", &node.inputs), ("output", &node.outputs)];
+        let sockets = response.sockets();
+        let responses = sockets
+            .inputs()
+            .map(|(index, response)| (0, index, response))
+            .chain(sockets.outputs().map(|(index, response)| (1, index, response)));
+        for (side, index, socket) in responses {
+            let (kind, ports) = ports[side];
+            let Some(port) = ports.get(index) else { continue };
+            socket.widget_info(|| {
+                let label = format!("{kind} {}.{}", node.name, port.name);
+                egui::WidgetInfo::labeled(egui::WidgetType::Button, true, label)
+            });
+            socket.clone().on_hover_ui(|ui| {
+                ui.strong(&port.name);
+                ui.label(
+                    port.value_type.map_or_else(|| "of unknown type".to_owned(), |kind| kind.to_string()),
+                );
+                ui.label(&port.doc);
+            });
+        }
+        if let Some(event) = response.edge_event() {
+            match event {
+                EdgeEvent::Started { kind, index } => self.from = Some((node.name.clone(), kind, index)),
+                EdgeEvent::Ended { kind, index } => self.ended(node, kind, index, nodes, gestures),
+                EdgeEvent::Cancelled => self.dropped(ui, nodes, gestures),
+            }
+        }
+        if response.removed() {
+            removed.push(node.name.clone());
+        }
+    }
+
+    fn ended(
+        &mut self,
+        node: &NodeView,
+        kind: SocketKind,
+        index: usize,
+        nodes: &[NodeView],
+        gestures: &mut Vec<Gesture>,
+    ) {
+        let Some((from, _, start)) = self.from.take() else { return };
+        let Some(from) = nodes.iter().find(|other| other.name == from) else { return };
+        let (source, output, target, input) = match kind {
+            SocketKind::Input => (from, start, node, index),
+            SocketKind::Output => (node, index, from, start),
+        };
+        if let (Some(output), Some(input)) = (source.outputs.get(output), target.inputs.get(input)) {
+            let wire = (Link::new(&source.name, &output.name), Link::new(&target.name, &input.name));
+            gestures.push(Gesture::Connect(wire));
+        }
+    }
+
+    /// A wire that was let go over empty space asks what to put there.
+    fn dropped(&mut self, ui: &egui::Ui, nodes: &[NodeView], gestures: &mut Vec<Gesture>) {
+        let Some((name, kind, index)) = self.from.take() else { return };
+        let Some(node) = nodes.iter().find(|node| node.name == name) else { return };
+        let is_output = matches!(kind, SocketKind::Output);
+        let ports = if is_output { &node.outputs } else { &node.inputs };
+        let (Some(port), Some(pos)) = (ports.get(index), ui.input(|input| input.pointer.latest_pos())) else {
+            return;
+        };
+        gestures.push(Gesture::DropWire(Link::new(name, &port.name), is_output, self.place_at(pos)));
+    }
+
+    fn edges(
+        &mut self,
+        edges_ctx: &mut egui_graph::EdgesCtx,
+        ui: &mut egui::Ui,
+        nodes: &[NodeView],
+        wires: &[Wire],
+        gestures: &mut Vec<Gesture>,
+    ) {
+        let by_name: IndexMap<&str, &NodeView> =
+            nodes.iter().map(|node| (node.name.as_str(), node)).collect();
+        let mut gone = Vec::new();
+        for wire @ (from, to) in wires {
+            let (Some(source), Some(target)) =
+                (by_name.get(from.node.as_str()), by_name.get(to.node.as_str()))
+            else {
+                continue;
+            };
+            let output = source.outputs.iter().position(|port| port.name == from.port);
+            let input = target.inputs.iter().position(|port| port.name == to.port);
+            let (Some(output), Some(input)) = (output, input) else { continue };
+            let colour = theme::wire(source.outputs[output].value_type);
+            let mut selected = self.wires.contains(wire);
+            let ends = ((node_id(&from.node), output), (node_id(&to.node), input));
+            let response = Edge::new(ends.0, ends.1, &mut selected)
+                .shape(EdgeShape::DEFAULT)
+                .stroke(egui::Stroke::new(2.0, colour))
+                .hovered_stroke(egui::Stroke::new(3.0, colour))
+                .selected_stroke(egui::Stroke::new(4.0, colour))
+                .show(edges_ctx, ui);
+            if response.deleted() {
+                gone.push(wire.clone());
+            } else if response.changed() {
+                match selected {
+                    true => self.wires.insert(wire.clone()),
+                    false => self.wires.shift_remove(wire),
+                };
+            }
+        }
+        if !gone.is_empty() {
+            gestures.push(Gesture::Disconnect(gone));
+        }
+        if let Some(edge) = edges_ctx.in_progress(ui) {
+            edge.show(ui, EdgeShape::DEFAULT);
+        }
+        // Over the widget's own sockets, which have one colour for a whole node.
+        for node in nodes {
+            let id = node_id(&node.name);
+            for (index, port) in node.inputs.iter().enumerate() {
+                if let Some((pos, _)) = edges_ctx.input(ui, id, index) {
+                    ui.painter().circle_filled(pos, 5.0, theme::wire(port.value_type));
+                }
+            }
+            for (index, port) in node.outputs.iter().enumerate() {
+                if let Some((pos, _)) = edges_ctx.output(ui, id, index) {
+                    ui.painter().circle_filled(pos, 5.0, theme::wire(port.value_type));
+                }
+            }
+        }
+    }
+}
+
+/// The size of a node that was not drawn yet.
+const DEFAULT_SIZE: Vec2 = Vec2::new(body::WIDTH, 110.0);
+
+fn sizes(ctx: &egui::Context) -> std::collections::HashMap<NodeId, Vec2> {
+    egui_graph::with_graph_memory(ctx, id(), |memory| memory.node_sizes().clone())
+}
+
+/// A layered layout, wires running to the right.
+fn arrangement(ctx: &egui::Context, nodes: &[NodeView], wires: &[Wire]) -> Vec<(String, (f64, f64))> {
+    let sizes = sizes(ctx);
+    let by_name: IndexMap<&str, &NodeView> = nodes.iter().map(|node| (node.name.as_str(), node)).collect();
+    let boxes = nodes.iter().map(|node| {
+        let guess = vec2(body::WIDTH, 70.0 + 22.0 * node.inputs.len().max(node.outputs.len()) as f32);
+        let size = sizes.get(&node_id(&node.name)).copied().unwrap_or(guess);
+        let size = [size.x, size.y];
+        let layout_node = egui_graph::LayoutNode::new(size)
+            .inputs(node.inputs.len())
+            .outputs(node.outputs.len())
+            .flow(egui::Direction::LeftToRight);
+        (node_id(&node.name), layout_node)
+    });
+    let ends = wires.iter().filter_map(|(from, to)| {
+        let output =
+            by_name.get(from.node.as_str())?.outputs.iter().position(|port| port.name == from.port)?;
+        let input = by_name.get(to.node.as_str())?.inputs.iter().position(|port| port.name == to.port)?;
+        Some(((node_id(&from.node), output), (node_id(&to.node), input)))
+    });
+    let params = egui_graph::LayoutParams::new(egui::Direction::LeftToRight).layer_gap(70.0).node_gap(28.0);
+    let (layout, _) = egui_graph::layout_routed(boxes, ends, params);
+    nodes
+        .iter()
+        .filter_map(|node| {
+            let pos = layout.get(&node_id(&node.name))?;
+            Some((node.name.clone(), (f64::from(pos.x.round()), f64::from(pos.y.round()))))
+        })
+        .collect()
+}

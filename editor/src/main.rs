@@ -1,0 +1,115 @@
+//! The node editor's window.
+
+use std::{path::PathBuf, process::ExitCode, sync::Arc};
+
+use clap::Parser;
+use eframe::egui;
+use etcetera::BaseStrategy;
+use orograph_editor::{App, Dialogs, Question, Start};
+use orograph_session::{PluginOptions, Settings, settings::Theme};
+
+/// The node editor of Orograph.
+#[derive(Parser)]
+#[command(name = "orograph-editor", version)]
+struct Arguments {
+    /// The graph file to open
+    graph: Option<PathBuf>,
+    /// The folder that builds write into
+    #[arg(long, default_value = "out", value_name = "DIR")]
+    out: PathBuf,
+    /// A folder of plugins; may be given many times
+    #[arg(long, value_name = "DIR")]
+    plugins: Vec<PathBuf>,
+    /// Run every plugin in a process of its own
+    #[arg(long)]
+    isolate: bool,
+    /// The cache folder, or `none` to keep results in memory alone
+    #[arg(long, value_name = "DIR|none")]
+    cache: Option<PathBuf>,
+}
+
+fn main() -> ExitCode {
+    orograph_session::outlive_file_size_limit();
+    if let Some(code) = orograph_session::plugins::serve(std::env::args_os().skip(1)) {
+        return code;
+    }
+    let arguments = Arguments::parse();
+    match run(arguments) {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(message) => {
+            #[expect(clippy::print_stderr, reason = "there is no window to tell it in")]
+            {
+                eprintln!("error: {message}");
+            }
+            ExitCode::FAILURE
+        }
+    }
+}
+
+fn run(arguments: Arguments) -> Result<(), String> {
+    let mut notes = Vec::new();
+    let settings = Settings::load().unwrap_or_else(|error| {
+        notes.push(error.to_string());
+        Settings::default()
+    });
+    let cache = settings.cache_folder(arguments.cache.as_deref());
+    let options = PluginOptions {
+        folders: arguments.plugins,
+        isolate: arguments.isolate,
+        cache: cache.clone(),
+        ..PluginOptions::default()
+    };
+    let (registry, found) =
+        orograph_session::registry(&options, &settings).map_err(|error| error.to_string())?;
+    notes.extend(found.iter().filter_map(orograph_session::plugins::complaint));
+    let (evaluator, warning) = orograph_session::evaluator(settings.memory_budget(None), cache.as_deref(), 0)
+        .map_err(|error| error.to_string())?;
+    notes.extend(warning);
+    let start = Start {
+        registry: Arc::new(registry),
+        evaluator: Arc::new(evaluator),
+        file: arguments.graph,
+        recoveries: recoveries(),
+        out: arguments.out,
+        notes,
+        dialogs: dialogs(),
+    };
+    let options = eframe::NativeOptions {
+        viewport: egui::ViewportBuilder::default().with_inner_size([1440.0, 900.0]).with_title("Orograph"),
+        ..eframe::NativeOptions::default()
+    };
+    let create = move |creation: &eframe::CreationContext<'_>| {
+        creation.egui_ctx.set_theme(match settings.theme {
+            Theme::System => egui::ThemePreference::System,
+            Theme::Light => egui::ThemePreference::Light,
+            Theme::Dark => egui::ThemePreference::Dark,
+        });
+        Ok(Box::new(App::new(&creation.egui_ctx, start)) as Box<dyn eframe::App>)
+    };
+    eframe::run_native("orograph-editor", options, Box::new(create)).map_err(|error| error.to_string())
+}
+
+/// Where unsaved work is kept.
+fn recoveries() -> Option<PathBuf> {
+    let base = etcetera::choose_base_strategy().ok()?;
+    let state = base.state_dir().unwrap_or_else(|| base.data_dir());
+    Some(state.join("orograph").join("unsaved"))
+}
+
+/// The system's own dialogs.
+fn dialogs() -> Dialogs {
+    Arc::new(|question, folder| {
+        let mut dialog = rfd::FileDialog::new();
+        if let Ok(folder) = std::path::absolute(folder)
+            && folder.is_dir()
+        {
+            dialog = dialog.set_directory(folder);
+        }
+        match question {
+            Question::Graph => dialog.add_filter("Graphs", &["ron"]).pick_file(),
+            Question::Save => dialog.add_filter("Graphs", &["ron"]).save_file(),
+            Question::Input => dialog.pick_file(),
+            Question::Output => dialog.save_file(),
+        }
+    })
+}

@@ -1,0 +1,118 @@
+//! What the editor computes is what the command line computes, and what is not saved is not lost.
+#![allow(clippy::unwrap_used)]
+
+mod common;
+
+use std::{fs, sync::Arc};
+
+use common::{Place, open, press, read, select, settle};
+use eframe::egui::{Key, Modifiers, accesskit::Role};
+use egui_kittest::kittest::Queryable;
+use orograph_core::Context;
+use orograph_engine::{
+    Cache, CancelToken, CompileOptions, Document, Evaluator, compile, document::read_file, eval::Silent,
+};
+use orograph_session::Targets;
+
+const CTRL: Modifiers = Modifiers::COMMAND;
+
+#[test]
+fn a_build_writes_the_very_bytes_of_a_run() {
+    let place = Place::new();
+    let mut editor = open(place.start());
+    press(&mut editor, CTRL, Key::B);
+    settle(&mut editor);
+    let told = editor.state().app().told();
+    assert!(told.iter().any(|text| text.contains("shade.png")), "{told:?}");
+
+    let registry = orograph_session::built_in().unwrap();
+    let document = Document::load(&place.graph).unwrap();
+    let base_dir = place.folder.path().to_owned();
+    let options = CompileOptions { base_dir, overrides: Vec::new(), loader: &|path| read_file(path) };
+    let compiled = compile(&document, &registry, &options).unwrap();
+    let apart = place.folder.path().join("apart");
+    let request = Targets::choose(compiled, &[], &registry).unwrap().into_request(
+        Context::default(),
+        apart.clone(),
+        None,
+    );
+    let evaluator = Evaluator::new(Cache::new(1 << 28, None), 1).unwrap();
+    let report = evaluator.run(request, Arc::new(Silent), &CancelToken::new());
+    assert_eq!(report.failures().count(), 0);
+    assert_eq!(read(&place.out().join("shade.png")), read(&apart.join("shade.png")));
+}
+
+#[test]
+fn a_build_that_fails_says_at_which_node_and_why() {
+    let place = Place::new();
+    let text = common::CHAIN.replace("\"shade.png\"", "\"../shade.png\"");
+    fs::write(&place.graph, text).unwrap();
+    let mut editor = open(place.start());
+    press(&mut editor, CTRL, Key::B);
+    let told = editor.state().app().told();
+    assert!(told.iter().any(|text| text.contains("Not built") && text.contains("picture")), "{told:?}");
+}
+
+#[test]
+fn saving_keeps_the_words_above_the_graph_and_asks_before_it_overwrites() {
+    let place = Place::new();
+    let mut editor = open(place.start());
+    select(&mut editor, "soft");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    assert!(editor.state().app().is_dirty());
+    press(&mut editor, CTRL, Key::S);
+    assert!(!editor.state().app().is_dirty());
+    let saved = String::from_utf8(read(&place.graph)).unwrap();
+    assert!(saved.starts_with("// Kept when it is saved.\n"), "{saved}");
+    assert!(Document::parse(&saved, "saved").unwrap().nodes["soft"].bypass);
+
+    fs::write(&place.graph, common::CHAIN).unwrap();
+    press(&mut editor, Modifiers::NONE, Key::B);
+    press(&mut editor, CTRL, Key::S);
+    assert!(editor.query_by_label("Someone else changed the file").is_some());
+    editor.get_by_role_and_label(Role::Button, "Take theirs").click();
+    settle(&mut editor);
+    assert_eq!(**editor.state().app().document(), Document::parse(common::CHAIN, "chain").unwrap());
+}
+
+#[test]
+fn what_a_killed_editor_left_is_offered_and_recovered() {
+    let place = Place::new();
+    let folder = place.folder.path().join("unsaved");
+    let registry = Arc::new(orograph_session::built_in().unwrap());
+    {
+        // What a killed program leaves: a journal that nobody holds.
+        let journal = orograph_edit::Journal::begin(&folder, registry).unwrap();
+        let mut document = Document::parse(common::CHAIN, "chain").unwrap();
+        document.doc = "unsaved".into();
+        journal.keep(Some(&place.graph), Arc::new(document));
+        journal.flush().unwrap();
+    }
+    let mut start = place.start();
+    start.recoveries = Some(folder.clone());
+    let mut editor = open(start);
+    assert!(editor.query_by_label("Unsaved work was found").is_some());
+    editor.get_by_role_and_label(Role::Button, "Recover").click();
+    settle(&mut editor);
+    assert_eq!(editor.state().app().document().doc, "unsaved");
+    assert!(editor.state().app().is_dirty());
+    press(&mut editor, CTRL, Key::S);
+    assert_eq!(Document::load(&place.graph).unwrap().doc, "unsaved");
+}
+
+#[test]
+fn closing_with_unsaved_work_asks_first() {
+    let place = Place::new();
+    let mut editor = open(place.start());
+    select(&mut editor, "soft");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    press(&mut editor, CTRL, Key::N);
+    assert!(editor.query_by_label("There are unsaved changes").is_some());
+    editor.get_by_role_and_label(Role::Button, "Keep editing").click();
+    settle(&mut editor);
+    assert_eq!(editor.state().app().document().nodes.len(), 5);
+    press(&mut editor, CTRL, Key::N);
+    editor.get_by_role_and_label(Role::Button, "Discard").click();
+    settle(&mut editor);
+    assert!(editor.state().app().document().nodes.is_empty());
+}

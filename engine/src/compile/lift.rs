@@ -1,0 +1,46 @@
+//! Single settings and nodes, typed as a compilation would: for inspectors.
+
+use orograph_core::{Error, NodeType, ParamSpec, ParamValue, RawParams};
+
+use super::typed::{Given, Refused, typed, untyped};
+use crate::document::{Body, Literal, Node};
+
+/// The value that a parameter gets from what a graph file writes.
+///
+/// # Errors
+/// Why it is refused, and what would mend it.
+pub fn param_value(literal: &Literal, spec: &ParamSpec) -> Result<ParamValue, Refused> {
+    typed(&Given::Literal(literal.clone()), spec)
+}
+
+/// The node as the current version of its type would write it; a node that is current, as it is.
+///
+/// # Errors
+/// What the type's own upgrade says.
+pub fn lifted(node: &Node, node_type: &NodeType) -> orograph_core::Result<Node> {
+    let Body::Type { id, version } = &node.body else { return Ok(node.clone()) };
+    let current = node_type.spec().version;
+    let version = version.unwrap_or(current);
+    if version >= current {
+        return Ok(node.clone());
+    }
+    let mut raw = RawParams::default();
+    for (param, literal) in &node.params {
+        let value = untyped(&Given::Literal(literal.clone())).ok_or_else(|| {
+            Error::invalid(format!("`{param}` has a value that no parameter takes"), "take that setting away")
+        })?;
+        raw.set(param, value);
+    }
+    node_type.upgrade(&mut raw, version)?;
+    let lifted = |(param, value): (String, ParamValue)| {
+        let before = node
+            .params
+            .get(&param)
+            .filter(|literal| untyped(&Given::Literal((*literal).clone())).as_ref() == Some(&value));
+        // What kept name and value keeps its own text, too.
+        let literal = before.cloned().unwrap_or_else(|| Literal::from(&value));
+        (param, literal)
+    };
+    let body = Body::Type { id: id.clone(), version: Some(current) };
+    Ok(Node { body, params: raw.0.into_iter().map(lifted).collect(), ..node.clone() })
+}
