@@ -112,7 +112,8 @@ impl Hubs {
     }
 }
 
-/// Makes one of junctions that a chain shorter than `radius` joins: the member nearest to their middle.
+/// Makes one of junctions that a chain shorter than `radius` joins: the member that most length of line meets in, as
+/// moving the others bends only short lines, and of equals the one nearest to their middle.
 fn merge(forest: &Forest, chains: Vec<Chain>, radius: f64) -> (Vec<Chain>, Hubs) {
     let mut members: Vec<usize> = Vec::new();
     let mut pairs = Vec::new();
@@ -129,27 +130,37 @@ fn merge(forest: &Forest, chains: Vec<Chain>, radius: f64) -> (Vec<Chain>, Hubs)
     }
     members.sort_unstable();
     members.dedup();
+    let mut lengths = vec![0.0; members.len()];
+    for chain in &kept {
+        for cell in [chain.cells[0], chain.cells[chain.cells.len() - 1]] {
+            if let Ok(member) = members.binary_search(&cell) {
+                lengths[member] += chain.length;
+            }
+        }
+    }
     let index = |cell: usize| members.partition_point(|&member| member < cell);
     let mut trees = UnionFind::new(members.len());
     for (a, b) in pairs {
         trees.union(index(a), index(b));
     }
-    let mut groups: Vec<(usize, usize)> = trees.into_labeling().into_iter().zip(members).collect();
+    let mut groups: Vec<(usize, usize)> = trees.into_labeling().into_iter().zip(0..).collect();
     groups.sort_unstable();
     let mut stands_for = Vec::with_capacity(groups.len());
     for group in groups.chunk_by(|a, b| a.0 == b.0) {
-        let places = || group.iter().map(|&(_, cell)| forest.lattice.place(cell));
+        let places = || group.iter().map(|&(_, member)| forest.lattice.place(members[member]));
         let n = group.len() as f64;
         let middle_row = places().map(|(row, _)| row as f64).sum::<f64>() / n;
         let middle_col = places().map(|(_, col)| col as f64).sum::<f64>() / n;
-        let off = |cell: usize| {
-            let (row, col) = forest.lattice.place(cell);
+        let off = |member: usize| {
+            let (row, col) = forest.lattice.place(members[member]);
             let (down, across) = (row as f64 - middle_row, col as f64 - middle_col);
             down * down + across * across
         };
-        let hub =
-            group.iter().map(|&(_, cell)| cell).min_by(|&a, &b| off(a).total_cmp(&off(b)).then(a.cmp(&b)));
-        stands_for.extend(group.iter().filter_map(|&(_, cell)| Some((cell, hub?))));
+        let better = |a: &usize, b: &usize| {
+            lengths[*b].total_cmp(&lengths[*a]).then(off(*a).total_cmp(&off(*b))).then(a.cmp(b))
+        };
+        let hub = group.iter().map(|&(_, member)| member).min_by(better);
+        stands_for.extend(group.iter().filter_map(|&(_, member)| Some((members[member], members[hub?]))));
     }
     stands_for.sort_unstable();
     (kept, Hubs { stands_for })
