@@ -42,7 +42,7 @@ pub struct BranchReductionOut {
 
 impl Node for BranchReduction {
     const ID: &'static str = "feature.branch_reduction";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 keeps rings whole
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = BranchReductionIn<'a>;
     type Outputs = BranchReductionOut;

@@ -344,23 +344,29 @@ fn a_broad_crest_is_no_ring() {
 }
 
 #[test]
-fn junctions_become_one_where_the_longest_lines_meet() {
+fn lines_stay_where_they_are_when_junctions_become_one() {
     let lattice = Lattice { rows: 41, cols: 61 };
     let mut forest = Forest::new(lattice);
     let cell = |row: usize, col: usize| row * lattice.cols + col;
     (0..60).for_each(|col| forest.join(cell(30, col), 0));
-    // Two cells off the long line a branch parts in two, which lie nearer to the middle of all three junctions.
+    // Two cells off the long line a branch parts in two, and one of them parts again.
     (28..30).for_each(|row| forest.join(cell(row, 30), 2));
     (16..28).for_each(|row| forest.join(cell(row, row + 2), 1));
     (16..28).for_each(|row| forest.join(cell(row, 58 - row), 3));
+    (16..26).for_each(|row| forest.join(cell(row, 28), 2));
     let grid = Grid::new(41, 61, CellSize::square(1.0)).unwrap();
     let heights = vec![0.0; lattice.len()];
     let frame = Frame { grid: &grid, blocks: CELLS, heights: &heights, kind: FeatureKind::Ridge };
     let features = shape(&forest, &frame, &Shaping::default(), &Job::detached()).unwrap();
     let branches = of_kind(&features, PointKind::Branch);
     assert_eq!(branches.len(), 1);
-    assert_eq!((branches[0].1.row, branches[0].1.col), (30.0, 30.0));
-    assert_eq!(degree(&features, branches[0].0), 4);
+    assert_eq!((degree(&features, branches[0].0), features.lines.len()), (5, 5));
+    let vertices: Vec<[f64; 2]> = features.lines.iter().flat_map(|line| line.vertices.clone()).collect();
+    for cell in (0..lattice.len()).filter(|&cell| forest.degree(cell) > 0) {
+        let (row, col) = lattice.place(cell);
+        let off = |vertex: &[f64; 2]| distance(*vertex, [row as f64, col as f64]);
+        assert!(vertices.iter().map(off).fold(f64::INFINITY, f64::min) < 1.0, "{row} {col}");
+    }
 }
 
 #[test]
