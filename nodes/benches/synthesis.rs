@@ -93,9 +93,10 @@ fn window_search(bencher: Bencher<'_, '_>, side: usize) {
         lift: Some(200.0),
         most_lines: f64::INFINITY,
         usual_lines: 0.0,
+        balanced: false,
         n: 4,
     };
-    bencher.bench(|| searcher.search(&query, |_| false, &Job::detached()));
+    bencher.bench(|| searcher.search(&query, &[1], |_| 0, &Job::detached()));
 }
 
 fn features(terrain: &Heightfield) -> Features {

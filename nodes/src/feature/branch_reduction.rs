@@ -4,7 +4,8 @@
 //! The papers give no rule; this one works branch by branch, shortest first. A branch goes when it has too few
 //! segments or when it never leaves the neighbourhood of the rest: two equally high rows of cells side by side
 //! otherwise leave two rails of a ladder, as long as the ridge itself. Ends are trimmed first and grow back last, so
-//! that what stays is neither frayed nor shortened.
+//! that what stays is neither frayed nor shortened. Where polygon breaking opened a ring, rather than a ladder, its two
+//! sides are no branches: they are judged as if they still met.
 
 use std::{cmp::Reverse, collections::BinaryHeap};
 
@@ -12,6 +13,7 @@ use orograph_core::prelude::*;
 
 use super::{
     forest::{Forest, Frame, blocks_of},
+    openings::openings,
     settings::{Reduction, crest},
 };
 
@@ -40,7 +42,7 @@ pub struct BranchReductionOut {
 
 impl Node for BranchReduction {
     const ID: &'static str = "feature.branch_reduction";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 keeps rings whole
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = BranchReductionIn<'a>;
     type Outputs = BranchReductionOut;
@@ -103,6 +105,9 @@ fn groups(network: &Forest) -> Vec<Vec<usize>> {
 /// [`Error::Cancelled`].
 pub fn reduce(forest: Forest, crests: &[f32], by: &Reduction, job: &Job) -> Result<Forest> {
     let alive = forest.links.iter().map(|links| *links != 0).collect();
+    let mut forest = forest;
+    let openings = openings(&forest, crests, by.parallel_radius, job)?;
+    openings.iter().for_each(|&(cell, direction)| forest.join(cell, direction));
     let full = forest.clone();
     let mut pruner = Pruner { forest, alive, crests, by };
     for _ in 0..by.end_trim {
@@ -114,6 +119,7 @@ pub fn reduce(forest: Forest, crests: &[f32], by: &Reduction, job: &Job) -> Resu
         pruner.regrow(&full, job)?;
     }
     let mut forest = pruner.forest;
+    openings.iter().for_each(|&(cell, direction)| forest.part(cell, direction));
     for group in groups(&forest) {
         if group.len() <= by.min_group as usize {
             group.into_iter().for_each(|cell| forest.links[cell] = 0);
@@ -227,7 +233,8 @@ impl Pruner<'_> {
     /// Where the chain that leaves `from` through `cell` ends: a leaf or a junction.
     fn far_end(&self, from: usize, cell: usize) -> usize {
         let (mut before, mut cell) = (from, cell);
-        while self.forest.degree(cell) == 2 {
+        // Around a ring without a junction the way leads back.
+        while self.forest.degree(cell) == 2 && cell != from {
             let next = self.forest.neighbours(cell).find(|&other| other != before).unwrap_or(cell);
             (before, cell) = (cell, next);
         }

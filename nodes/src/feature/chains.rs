@@ -45,14 +45,11 @@ pub fn shape(forest: &Forest, frame: &Frame<'_>, shaping: &Shaping, job: &Job) -
             let (row, col) = forest.lattice.place(cell);
             [row as f64, col as f64]
         };
-        let mut path: Vec<[f64; 2]> = chain.cells.iter().map(place).collect();
-        if hubs.of(first) != first {
-            path.insert(0, place(&hubs.of(first)));
-        }
-        if hubs.of(last) != last {
-            path.push(place(&hubs.of(last)));
-        }
-        smooth(&mut path, shaping.joining.smooth_passes);
+        // Smoothed up to its own junctions, so that where it parts from the way to another all lines still meet.
+        let mut own: Vec<[f64; 2]> = chain.cells.iter().map(place).collect();
+        smooth(&mut own, shaping.joining.smooth_passes);
+        let (before, after) = (hubs.way(first).iter().rev(), hubs.way(last).iter());
+        let mut path: Vec<[f64; 2]> = before.map(place).chain(own).chain(after.map(place)).collect();
         path.iter_mut().for_each(|at| *at = frame.blocks.to_cells(*at, frame.grid));
         let vertices = resample(&path, features.scale.max(1.0));
         features.lines.push(Polyline { from, to, vertices, profiles: Vec::new() });
@@ -101,58 +98,75 @@ fn follow(forest: &Forest, start: usize, second: usize) -> Vec<usize> {
 
 /// For each merged junction the one that stands for all.
 struct Hubs {
-    /// Sorted by the first.
-    stands_for: Vec<(usize, usize)>,
+    /// Junctions, and the cells that lead from each to the one that stands for it, which comes last. Sorted.
+    ways: Vec<(usize, Vec<usize>)>,
 }
 
 impl Hubs {
+    /// The cells from a junction to the one that stands for it; none from that one, or from any other cell.
+    fn way(&self, cell: usize) -> &[usize] {
+        let found = self.ways.binary_search_by_key(&cell, |way| way.0);
+        found.map_or(&[], |i| &self.ways[i].1)
+    }
+
     fn of(&self, cell: usize) -> usize {
-        let found = self.stands_for.binary_search_by_key(&cell, |pair| pair.0);
-        found.map_or(cell, |i| self.stands_for[i].1)
+        self.way(cell).last().copied().unwrap_or(cell)
     }
 }
 
-/// Makes one of junctions that a chain shorter than `radius` joins: the member nearest to their middle.
+/// Makes one of junctions that a chain shorter than `radius` joins: the member nearest to their middle. Lines reach it
+/// along the chains that joined them, so that what runs through a junction stays where it is.
 fn merge(forest: &Forest, chains: Vec<Chain>, radius: f64) -> (Vec<Chain>, Hubs) {
-    let mut members: Vec<usize> = Vec::new();
-    let mut pairs = Vec::new();
-    let mut kept = Vec::with_capacity(chains.len());
-    for chain in chains {
-        let (first, last) = (chain.cells[0], chain.cells[chain.cells.len() - 1]);
-        let junctions = forest.degree(first) >= 3 && forest.degree(last) >= 3;
-        if junctions && chain.length < radius {
-            members.extend([first, last]);
-            pairs.push((first, last));
-        } else {
-            kept.push(chain);
-        }
-    }
+    let ends = |chain: &Chain| [chain.cells[0], chain.cells[chain.cells.len() - 1]];
+    let is_short =
+        |chain: &Chain| chain.length < radius && ends(chain).iter().all(|&end| forest.degree(end) >= 3);
+    let (short, kept): (Vec<Chain>, Vec<Chain>) = chains.into_iter().partition(is_short);
+    let mut members: Vec<usize> = short.iter().flat_map(ends).collect();
     members.sort_unstable();
     members.dedup();
     let index = |cell: usize| members.partition_point(|&member| member < cell);
     let mut trees = UnionFind::new(members.len());
-    for (a, b) in pairs {
-        trees.union(index(a), index(b));
+    let mut joined: Vec<Vec<usize>> = vec![Vec::new(); members.len()];
+    for (number, chain) in short.iter().enumerate() {
+        let [a, b] = ends(chain).map(index);
+        trees.union(a, b);
+        joined[a].push(number);
+        joined[b].push(number);
     }
-    let mut groups: Vec<(usize, usize)> = trees.into_labeling().into_iter().zip(members).collect();
+    let mut groups: Vec<(usize, usize)> = trees.into_labeling().into_iter().zip(0..).collect();
     groups.sort_unstable();
-    let mut stands_for = Vec::with_capacity(groups.len());
+    let mut ways: Vec<(usize, Vec<usize>)> = members.iter().map(|&member| (member, Vec::new())).collect();
     for group in groups.chunk_by(|a, b| a.0 == b.0) {
-        let places = || group.iter().map(|&(_, cell)| forest.lattice.place(cell));
-        let n = group.len() as f64;
-        let middle_row = places().map(|(row, _)| row as f64).sum::<f64>() / n;
-        let middle_col = places().map(|(_, col)| col as f64).sum::<f64>() / n;
-        let off = |cell: usize| {
-            let (row, col) = forest.lattice.place(cell);
-            let (down, across) = (row as f64 - middle_row, col as f64 - middle_col);
-            down * down + across * across
+        let place = |member: usize| {
+            let (row, col) = forest.lattice.place(members[member]);
+            [row as f64, col as f64]
         };
-        let hub =
-            group.iter().map(|&(_, cell)| cell).min_by(|&a, &b| off(a).total_cmp(&off(b)).then(a.cmp(&b)));
-        stands_for.extend(group.iter().filter_map(|&(_, cell)| Some((cell, hub?))));
+        let n = group.len() as f64;
+        let middle = [0, 1].map(|k| group.iter().map(|&(_, member)| place(member)[k]).sum::<f64>() / n);
+        let off = |member: usize| distance(place(member), middle);
+        let hub = group
+            .iter()
+            .map(|&(_, member)| member)
+            .min_by(|&a, &b| off(a).total_cmp(&off(b)).then(a.cmp(&b)));
+        // Outwards from it, so that each way begins with a chain and goes on as that of the next.
+        let mut next: Vec<usize> = hub.into_iter().collect();
+        while let Some(member) = next.pop() {
+            for &number in &joined[member] {
+                let mut cells = short[number].cells.clone();
+                if cells[0] == members[member] {
+                    cells.reverse();
+                }
+                let other = index(cells[0]);
+                if Some(other) != hub && ways[other].1.is_empty() {
+                    cells.remove(0);
+                    cells.extend_from_slice(&ways[member].1);
+                    ways[other].1 = cells;
+                    next.push(other);
+                }
+            }
+        }
     }
-    stands_for.sort_unstable();
-    (kept, Hubs { stands_for })
+    (kept, Hubs { ways })
 }
 
 /// Averages each inner vertex with its neighbours, a quarter each, `passes` times; the ends stay.

@@ -37,7 +37,7 @@ pub struct ClassifyOut {
 
 impl Node for Classify {
     const ID: &'static str = "feature.classify";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 leaves lines where they are when junctions become one
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = ClassifyIn<'a>;
     type Outputs = ClassifyOut;

@@ -46,6 +46,13 @@ impl Forest {
         self.links[other] |= 1 << opposite(direction);
     }
 
+    /// Parts a cell from its neighbour in a direction.
+    pub fn part(&mut self, cell: usize, direction: usize) {
+        let other = self.lattice.step(cell, direction);
+        self.links[cell] &= !(1 << direction);
+        self.links[other] &= !(1 << opposite(direction));
+    }
+
     /// Takes away every link of a cell.
     pub fn detach(&mut self, cell: usize) {
         for direction in self.directions(cell) {

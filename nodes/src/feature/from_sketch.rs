@@ -58,7 +58,7 @@ pub struct FromSketchOut {
 
 impl Node for FromSketch {
     const ID: &'static str = "feature.from_sketch";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 keeps rings whole, and lines where they are when junctions become one
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = FromSketchIn<'a>;
     type Outputs = FromSketchOut;

@@ -18,6 +18,7 @@ mod loops;
 pub mod medial;
 mod nearest;
 pub mod network;
+mod openings;
 pub mod plan;
 pub mod polygon_breaking;
 pub mod ppa;

@@ -96,7 +96,7 @@ pub struct PpaOut {
 
 impl Node for Ppa {
     const ID: &'static str = "feature.ppa";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 keeps rings whole, and lines where they are when junctions become one
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = PpaIn<'a>;
     type Outputs = PpaOut;

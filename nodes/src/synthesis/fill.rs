@@ -81,7 +81,7 @@ impl Node for Fill {
         let side = rules.fill_window().min(most);
         let most_lines = if networks.is_empty() { f64::INFINITY } else { side as f64 / 4.0 };
         let step = rules.fill_step().min((side * 2 / 3).max(1));
-        let layout = Layout { side, step, raster: false, most_lines };
+        let layout = Layout { side, step, raster: false, most_lines, balanced: false };
         let sources = Sources { exemplars: &exemplars, searchers: &searchers };
         let mut uses = Uses::default();
         let counts = fill_windows::fill(&mut canvas, &sources, &layout, &|_, _| 0, &mut uses, &rules, job)?;

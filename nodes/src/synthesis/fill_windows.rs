@@ -51,6 +51,8 @@ pub struct Layout {
     pub raster: bool,
     /// Most length of line in what a window fills, in cells; infinite to let features in.
     pub most_lines: f64,
+    /// Whether windows smoother than the exemplar usually is count as worse.
+    pub balanced: bool,
 }
 
 /// What happened.
@@ -225,7 +227,7 @@ fn plant(
         let draw = |axis: i64, n: usize| (unit(key(rules.seed, STREAM, i, axis)) * (n + 1) as f64) as usize;
         let (row, col) = (draw(0, rows - window.rows), draw(1, cols - window.cols));
         if exemplar.voids.is_whole(row as i64, col as i64, window.rows, window.cols) {
-            let found = Found { row, col, mismatch: 0.0, lift: 0.0 };
+            let found = Found { row, col, mismatch: 0.0, lift: 0.0, weight: 1.0 };
             let open = vec![true; window.len()];
             let (sheet, old) = sheet(canvas, exemplar, window, &found, &open);
             let seam = canvas.seam(&sheet.window, &sheet.heights, &[], &old, [0.0; 2], rules, job)?;
@@ -261,18 +263,15 @@ fn grow(
         lift: rules.lift.map(|share| share * exemplar.range),
         most_lines: layout.most_lines,
         usual_lines: if rules.strict() { 0.0 } else { 0.7 },
+        balanced: layout.balanced,
         n: rules.n_fill.max(1),
     };
     let reach = rules.patch as f64 / 2.0;
     // What was shown twice waits until nothing else fits: the eye finds a third time at once.
-    let mut found = Vec::new();
     let shown = if rules.strict() { usize::MAX } else { SHOWN.min(rules.max_uses) };
-    for most in [shown, rules.max_uses, usize::MAX] {
-        if found.is_empty() {
-            let spent = |center: [f64; 2]| uses.near(which, center, reach) >= most;
-            found = sources.searchers[which].search(&query, spent, job)?;
-        }
-    }
+    let most = [shown, rules.max_uses, usize::MAX];
+    let served = |center: [f64; 2]| uses.near(which, center, reach);
+    let mut found = sources.searchers[which].search(&query, &most, served, job)?;
     found.truncate(rules.n_cut);
     let judged: Vec<(f64, Piece)> = found
         .par_iter()
@@ -286,7 +285,7 @@ fn grow(
                 found.mismatch * n_compared + seam.cost
             } else {
                 let step = exemplar.step.max(f64::MIN_POSITIVE);
-                let cost = found.mismatch.sqrt() / step + seam.mean_cost() / step;
+                let cost = found.weighed().sqrt() / step + seam.mean_cost() / step;
                 cost * (1.0 + 2.0 * rules.repetition * uses.near(which, center, 2.0 * reach) as f64)
             };
             Ok((cost, piece))

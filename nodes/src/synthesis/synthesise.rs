@@ -108,7 +108,9 @@ pub struct SynthesiseOut {
 
 impl Node for Synthesise {
     const ID: &'static str = "synthesis.synthesise";
-    const VERSION: u32 = 2; // 2 draws among the best patches, and falls back in more ways
+    // 2 draws among the best patches, and falls back in more ways; 3 fills with ground as rough as the exemplar and lets
+    // drawn lines rival nothing beside them
+    const VERSION: u32 = 3;
     const EXTENT: Extent = Extent::Global;
     const READS: &'static [ContextItem] = &[ContextItem::Seed];
     type Inputs<'a> = SynthesiseIn<'a>;
@@ -276,12 +278,12 @@ fn layout(rules: &Rules, order: Order, drawn: bool, exemplars: &[Exemplar]) -> L
     let most = sides.min().unwrap_or(1).max(1);
     if order == Order::Raster {
         let step = (rules.patch * 2 / 3).max(1);
-        return Layout { side: rules.patch, step, raster: true, most_lines: f64::INFINITY };
+        return Layout { side: rules.patch, step, raster: true, most_lines: f64::INFINITY, balanced: false };
     }
     let side = rules.fill_window().min(most);
     let step = rules.fill_step().min((side * 2 / 3).max(1));
     let most_lines = if drawn { side as f64 / 4.0 } else { f64::INFINITY };
-    Layout { side, step, raster: false, most_lines }
+    Layout { side, step, raster: false, most_lines, balanced: drawn && !rules.strict() }
 }
 
 /// Networks and pools of each exemplar. A network belongs to the first exemplar of its grid that has none of its kind.

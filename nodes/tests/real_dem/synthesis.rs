@@ -1,8 +1,9 @@
-//! Terrain from a drawn sign and real ridges: how well it follows the lines must not hang on how they were drawn.
+//! Terrain from a drawn sign and real ridges: how well it follows the lines must not hang on how they were drawn, and no
+//! ground may show too often.
 
 use std::path::Path;
 
-use orograph_core::prelude::*;
+use orograph_core::{Placement, prelude::*};
 use orograph_nodes::{
     PatchSize,
     feature::{
@@ -25,6 +26,8 @@ const RECALL: f64 = 0.95;
 /// Most of it that another width of the strokes or another size of the patches may cost.
 const BY_STROKE: f64 = 0.03;
 const BY_PATCH: f64 = 0.05;
+/// Most times that ground is taken while there is other.
+const MOST_USES: usize = 8;
 
 pub(crate) fn checks() -> Vec<Check> {
     let check = |name: &str, run: fn(&Heightfield) -> Result<(), String>| {
@@ -34,6 +37,19 @@ pub(crate) fn checks() -> Vec<Check> {
         check("strokes of 5 to 40 cells are followed alike", |exemplar| {
             let recalls = [5.0, 10.0, 20.0, 30.0, 40.0].map(|stroke| recall(exemplar, stroke, 80));
             alike(recalls, BY_STROKE)
+        }),
+        check("no ground serves more than eight times", |exemplar| {
+            let made = made(exemplar, 1000, 24.0, 80).map_err(|error| error.to_string())?;
+            let centers: Vec<[f64; 2]> =
+                made.placement.patches.iter().map(|patch| patch.source_center).collect();
+            // How often the ground within half a patch had served before.
+            let served = |i: usize| {
+                let [row, col] = centers[i];
+                let near = |at: &&[f64; 2]| libm::hypot(at[0] - row, at[1] - col) <= 40.0;
+                centers[..i].iter().filter(near).count()
+            };
+            let most = (0..centers.len()).map(served).max().unwrap_or(0);
+            if centers.len() > 100 && most < MOST_USES { Ok(()) } else { Err(format!("{} times", most + 1)) }
         }),
         check("patches of 40 to 120 cells follow alike", |exemplar| {
             let recalls = [40, 60, 80, 100, 120].map(|patch| recall(exemplar, 12.0, patch));
@@ -55,45 +71,57 @@ fn read(file: &Path) -> Result<Heightfield, String> {
     Ok(read.run((), &Job::detached()).map_err(|error| error.to_string())?.terrain)
 }
 
-/// A half-life sign on 512 × 512 cells: a ring around a lambda, drawn `stroke` cells wide.
-fn sign(stroke: f64) -> Result<Heightfield, Error> {
-    const SIDE: u32 = 512;
+/// A half-life sign on `side` × `side` cells: a ring around a lambda, drawn `stroke` cells wide.
+fn sign(side: u32, stroke: f64) -> Result<Heightfield, Error> {
+    let unit = f64::from(side) / 512.0;
     let legs = [[[118.0, 179.0], [400.0, 338.0]], [[261.0, 256.0], [400.0, 179.0]]];
     let to_leg = |at: [f64; 2], [a, b]: [[f64; 2]; 2]| {
         let (d, f) = ([b[0] - a[0], b[1] - a[1]], [at[0] - a[0], at[1] - a[1]]);
         let t = ((d[0] * f[0] + d[1] * f[1]) / (d[0] * d[0] + d[1] * d[1])).clamp(0.0, 1.0);
         libm::hypot(f[0] - t * d[0], f[1] - t * d[1])
     };
-    let cells = (0..SIDE * SIDE).map(|i| {
-        let at = [f64::from(i / SIDE), f64::from(i % SIDE)];
+    let cells = (0..side * side).map(|i| {
+        let at = [i / side, i % side].map(|at| f64::from(at) / unit);
         let to_ring = (libm::hypot(at[0] - 256.0, at[1] - 256.0) - 200.0).abs();
         let off = legs.iter().fold(to_ring, |off, leg| off.min(to_leg(at, *leg)));
-        f32::from(u8::from(off <= stroke / 2.0))
+        f32::from(u8::from(off * unit <= stroke / 2.0))
     });
-    Heightfield::new(Grid::new(SIDE as usize, SIDE as usize, CellSize::square(1.0))?, cells.collect())
+    Heightfield::new(Grid::new(side as usize, side as usize, CellSize::square(1.0))?, cells.collect())
+}
+
+/// A sign, and the terrain that was made from it.
+struct Made {
+    drawn: Features,
+    terrain: Heightfield,
+    placement: Placement,
+}
+
+fn made(exemplar: &Heightfield, side: u32, stroke: f64, patch: u32) -> Result<Made, Error> {
+    let job = Job::detached();
+    let patches = PatchSize { patch };
+    let sketch = FromSketch { patches, ..FromSketch::default() };
+    let drawn = sketch.run(FromSketchIn { sketch: &sign(side, stroke)? }, &job)?.features;
+    let found = Ppa { patches, ..Ppa::default() }.run(PpaIn { terrain: exemplar }, &job)?.features;
+    let manner = Manner { patches, ..Synthesise::default().manner };
+    let inputs = SynthesiseIn {
+        sketches: vec![&drawn],
+        exemplars: vec![exemplar],
+        features: vec![&found],
+        styles: None,
+        given: None,
+        constraints: None,
+    };
+    let out = Synthesise { manner, ..Synthesise::default() }.run(inputs, &job)?;
+    Ok(Made { drawn, terrain: out.terrain, placement: out.placement })
 }
 
 /// The share of the sign's lines that terrain made from it follows.
 fn recall(exemplar: &Heightfield, stroke: f64, patch: u32) -> Result<f64, String> {
-    let job = Job::detached();
-    let patches = PatchSize { patch };
-    let made = || -> Result<f64, Error> {
-        let sketch = FromSketch { patches, ..FromSketch::default() };
-        let drawn = sketch.run(FromSketchIn { sketch: &sign(stroke)? }, &job)?.features;
-        let found = Ppa { patches, ..Ppa::default() }.run(PpaIn { terrain: exemplar }, &job)?.features;
-        let manner = Manner { patches, ..Synthesise::default().manner };
-        let inputs = SynthesiseIn {
-            sketches: vec![&drawn],
-            exemplars: vec![exemplar],
-            features: vec![&found],
-            styles: None,
-            given: None,
-            constraints: None,
-        };
-        let terrain = Synthesise { manner, ..Synthesise::default() }.run(inputs, &job)?.terrain;
-        let measure = Adherence { patches, ..Adherence::default() };
+    let measured = || -> Result<f64, Error> {
+        let Made { drawn, terrain, .. } = made(exemplar, 512, stroke, patch)?;
+        let measure = Adherence { patches: PatchSize { patch }, ..Adherence::default() };
         let inputs = AdherenceIn { drawn: &drawn, terrain: &terrain, found: None };
-        Ok(measure.run(inputs, &job)?.report.metric("recall").unwrap_or(f64::NAN))
+        Ok(measure.run(inputs, &Job::detached())?.report.metric("recall").unwrap_or(f64::NAN))
     };
-    made().map_err(|error| format!("strokes of {stroke} cells, patches of {patch}: {error}"))
+    measured().map_err(|error| format!("strokes of {stroke} cells, patches of {patch}: {error}"))
 }

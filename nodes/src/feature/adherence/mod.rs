@@ -63,7 +63,7 @@ pub struct AdherenceOut {
 
 impl Node for Adherence {
     const ID: &'static str = "feature.adherence";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 looks for lines as `feature.ppa` 2 does
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = AdherenceIn<'a>;
     type Outputs = AdherenceOut;

@@ -7,8 +7,8 @@ use orograph_core::{FeatureKind, FeaturePoint, PointKind, key, prelude::*, signe
 use super::drawings::{arm_of, star};
 use crate::{
     feature::{
-        chains::distance,
-        forest::Forest,
+        chains::{distance, shape},
+        forest::{Forest, Frame},
         lattice::{Blocks, Lattice},
         polygon_breaking::spanning_forest,
         ppa::{Found, Raw, find, forest},
@@ -301,6 +301,72 @@ fn a_smooth_cone_has_no_false_ridges_beyond_the_stated_radius() {
     assert!(reach(0.0) > 30.0);
     assert!(reach(0.01) <= 9.0);
     assert_eq!(reach(0.02), 0.0);
+}
+
+#[test]
+fn a_ring_stays_whole_but_for_one_link_where_spurs_leave_beside_its_lowest_place() {
+    let spurs: Vec<[[f64; 2]; 2]> = [-0.12, 0.12, 1.4, 2.9]
+        .map(|angle| {
+            let at = |radius: f64| [64.0 + radius * libm::cos(angle), 64.0 + radius * libm::sin(angle)];
+            [at(40.0), at(58.0)]
+        })
+        .into();
+    let terrain = field(129, 129, |row, col| {
+        let (x, y) = (col as f64, row as f64);
+        let to_ring = (libm::hypot(x - 64.0, y - 64.0) - 40.0).abs();
+        // Lowest in the east, between the first two spurs.
+        100.0 - 2.0 * to_ring.min(super::drawings::off(&spurs, x, y) + 1.0) - 0.1 * x
+    });
+    let Found { features, .. } = found(&terrain, &steps(0.02), &Shaping::default());
+    assert_eq!(features.rings.len(), 1);
+    let [a, b] = features.rings[0].map(|end| end as usize);
+    let place = |point: usize| [features.points[point].row, features.points[point].col];
+    assert!(distance(place(a), place(b)) < 1.5);
+    let vertices: Vec<[f64; 2]> = features.lines.iter().flat_map(|line| line.vertices.clone()).collect();
+    for step in 0..360 {
+        let (sin, cos) = libm::sincos(f64::from(step).to_radians());
+        let at = [64.0 + 40.0 * sin, 64.0 + 40.0 * cos];
+        let off = vertices.iter().map(|&vertex| distance(vertex, at)).fold(f64::INFINITY, f64::min);
+        assert!(off < 2.0, "{step}: {off}");
+    }
+}
+
+#[test]
+fn a_broad_crest_is_no_ring() {
+    let terrain = field(60, 140, |row, col| {
+        let off = (row as f64 - 30.0).abs();
+        // Flat for five cells but for a trough, so that two rails run along it with rungs between.
+        let trough = if off < 0.5 && col % 9 != 0 { 0.02 } else { 0.0 };
+        100.0 - (off - 2.0).max(0.0) - trough
+    });
+    let Found { features, .. } = found(&terrain, &steps(0.01), &Shaping::default());
+    assert_eq!((features.lines.len(), features.rings.len()), (1, 0));
+}
+
+#[test]
+fn lines_stay_where_they_are_when_junctions_become_one() {
+    let lattice = Lattice { rows: 41, cols: 61 };
+    let mut forest = Forest::new(lattice);
+    let cell = |row: usize, col: usize| row * lattice.cols + col;
+    (0..60).for_each(|col| forest.join(cell(30, col), 0));
+    // Two cells off the long line a branch parts in two, and one of them parts again.
+    (28..30).for_each(|row| forest.join(cell(row, 30), 2));
+    (16..28).for_each(|row| forest.join(cell(row, row + 2), 1));
+    (16..28).for_each(|row| forest.join(cell(row, 58 - row), 3));
+    (16..26).for_each(|row| forest.join(cell(row, 28), 2));
+    let grid = Grid::new(41, 61, CellSize::square(1.0)).unwrap();
+    let heights = vec![0.0; lattice.len()];
+    let frame = Frame { grid: &grid, blocks: CELLS, heights: &heights, kind: FeatureKind::Ridge };
+    let features = shape(&forest, &frame, &Shaping::default(), &Job::detached()).unwrap();
+    let branches = of_kind(&features, PointKind::Branch);
+    assert_eq!(branches.len(), 1);
+    assert_eq!((degree(&features, branches[0].0), features.lines.len()), (5, 5));
+    let vertices: Vec<[f64; 2]> = features.lines.iter().flat_map(|line| line.vertices.clone()).collect();
+    for cell in (0..lattice.len()).filter(|&cell| forest.degree(cell) > 0) {
+        let (row, col) = lattice.place(cell);
+        let off = |vertex: &[f64; 2]| distance(*vertex, [row as f64, col as f64]);
+        assert!(vertices.iter().map(off).fold(f64::INFINITY, f64::min) < 1.0, "{row} {col}");
+    }
 }
 
 #[test]

@@ -6,6 +6,7 @@
 //! found there is compared again cell by cell.
 
 mod fourier;
+mod roughness;
 pub mod search;
 
 pub use search::{Found, Query, Searcher};

@@ -4,7 +4,10 @@ use orograph_core::prelude::*;
 use rayon::prelude::*;
 use rustfft::num_complex::Complex64;
 
-use super::fourier::{Plane, smooth_size};
+use super::{
+    fourier::{Plane, smooth_size},
+    roughness::Roughness,
+};
 use crate::synthesis::{exemplar::Exemplar, network::Network, tps::Point};
 
 /// Cells of an exemplar that are searched at once at most; larger ones are searched coarser.
@@ -28,6 +31,7 @@ pub struct Searcher<'a> {
     lines: Vec<f32>,
     /// Mean of that for a cell.
     density: f64,
+    roughness: Roughness,
 }
 
 /// What to look for.
@@ -45,6 +49,9 @@ pub struct Query<'a> {
     pub most_lines: f64,
     /// The same as a share of what the exemplar has in as much ground on the average; the larger of both holds.
     pub usual_lines: f64,
+    /// Whether places smoother than the exemplar usually is count as worse: unlike ground differs the less the smoother it
+    /// is, so that otherwise the plains of an exemplar serve everywhere.
+    pub balanced: bool,
     /// How many places to return at most.
     pub n: usize,
 }
@@ -60,6 +67,16 @@ pub struct Found {
     pub mismatch: f64,
     /// Metres to add.
     pub lift: f64,
+    /// How many times as much the mismatch counts, of a place smoother than usual.
+    pub weight: f64,
+}
+
+impl Found {
+    /// The mismatch as it counts.
+    #[must_use]
+    pub fn weighed(&self) -> f64 {
+        self.mismatch * self.weight
+    }
 }
 
 /// Sums over the known cells of a difference: how well it fits at its best lift, and that lift.
@@ -111,18 +128,22 @@ impl<'a> Searcher<'a> {
             draw(network, factor, rows, cols, &mut lines);
         }
         let density = lines.iter().map(|&line| f64::from(line)).sum::<f64>() / (lines.len() as f64).max(1.0);
-        Ok(Self { exemplar, factor, rows, cols, plane, mean, heights, squares, lines, density })
+        let roughness = Roughness::new(terrain, factor, rows, cols);
+        Ok(Self { exemplar, factor, rows, cols, plane, mean, heights, squares, lines, density, roughness })
     }
 
     /// The best places for `query`, best first; none when the exemplar is too small or nothing whole is left.
-    /// `skip` says which centres are not to be had.
+    ///
+    /// `uses` tells how often the ground around a centre has served. Places are taken from those that served less often
+    /// than the first of `most`; where there is none, than the next, and so on.
     ///
     /// # Errors
     /// Cancellation.
     pub fn search(
         &self,
         query: &Query<'_>,
-        skip: impl Fn(Point) -> bool,
+        most: &[usize],
+        uses: impl Fn(Point) -> usize,
         job: &Job<'_>,
     ) -> Result<Vec<Found>> {
         let (cols, rows) = (query.cols, query.heights.len().checked_div(query.cols).unwrap_or(0));
@@ -130,7 +151,7 @@ impl<'a> Searcher<'a> {
         if rows == 0 || rows > all_rows || cols > all_cols {
             return Ok(Vec::new());
         }
-        let spots = self.coarse_spots(query, rows, cols, &skip, job)?;
+        let spots = self.coarse_spots(query, (rows, cols), most, uses, job)?;
         let samples = |stride: usize| -> Vec<(usize, f64)> {
             let picked = |i: &usize| (i / cols).is_multiple_of(stride) && (i % cols).is_multiple_of(stride);
             (0..query.heights.len())
@@ -144,6 +165,7 @@ impl<'a> Searcher<'a> {
         let fits = |row: i64, col: i64| self.exemplar.voids.is_whole(row, col, rows, cols);
         let refine = |samples: &[(usize, f64)], from: Found, reach: i64, step: usize| -> Found {
             let mut best = Found { mismatch: f64::INFINITY, ..from };
+            // A place is moved by little, so its weight stays.
             for down in (-reach..=reach).step_by(step) {
                 let row = from.row as i64 + down;
                 let cols: Vec<usize> = (-reach..=reach)
@@ -155,7 +177,7 @@ impl<'a> Searcher<'a> {
                 for cols in cols.chunks(LANES) {
                     for found in self.compare(samples, row as usize, cols, query.lift) {
                         if found.mismatch < best.mismatch {
-                            best = found;
+                            best = Found { weight: from.weight, ..found };
                         }
                     }
                 }
@@ -165,7 +187,7 @@ impl<'a> Searcher<'a> {
         let mut found: Vec<Found> =
             spots.par_iter().map(|&spot| refine(&sparse, spot, reach as i64, 2)).collect();
         let order = |a: &Found, b: &Found| {
-            a.mismatch.total_cmp(&b.mismatch).then(a.row.cmp(&b.row)).then(a.col.cmp(&b.col))
+            a.weighed().total_cmp(&b.weighed()).then(a.row.cmp(&b.row)).then(a.col.cmp(&b.col))
         };
         found.sort_by(order);
         found.retain(|found| found.mismatch.is_finite());
@@ -204,7 +226,7 @@ impl<'a> Searcher<'a> {
         let n = samples.len() as f64;
         cols.iter().zip(sums.into_iter().zip(squares)).map(move |(&col, (sum, squares))| {
             let (mismatch, lift) = if n > 0.0 { judge(n, sum, squares, lift) } else { (0.0, 0.0) };
-            Found { row, col, mismatch, lift }
+            Found { row, col, mismatch, lift, weight: 1.0 }
         })
     }
 
@@ -212,9 +234,9 @@ impl<'a> Searcher<'a> {
     fn coarse_spots(
         &self,
         query: &Query<'_>,
-        rows: usize,
-        cols: usize,
-        skip: &impl Fn(Point) -> bool,
+        (rows, cols): (usize, usize),
+        most: &[usize],
+        uses: impl Fn(Point) -> usize,
         job: &Job<'_>,
     ) -> Result<Vec<Found>> {
         let factor = self.factor;
@@ -248,6 +270,9 @@ impl<'a> Searcher<'a> {
         }
         let (last_row, last_col) = (self.rows - h, self.cols - w);
         let mut spots: Vec<(f64, usize, usize)> = Vec::new();
+        let weight = |row: usize, col: usize| {
+            if query.balanced { self.roughness.weight(row, col, h, w) } else { 1.0 }
+        };
         let block = ((h.min(w)) / 8).max(1);
         let correlated = if n > 0.0 { Some(self.correlate(field, last_row + 1)) } else { None };
         job.check()?;
@@ -259,6 +284,7 @@ impl<'a> Searcher<'a> {
                         for col in block_col..(block_col + block).min(last_col + 1) {
                             let value = correlated[row * self.plane.cols + col];
                             let (mismatch, _) = judge(n, sum - value.im, square + value.re, query.lift);
+                            let mismatch = mismatch * weight(row, col);
                             if mismatch < best.0 {
                                 best = (mismatch, row, col);
                             }
@@ -273,29 +299,39 @@ impl<'a> Searcher<'a> {
         spots.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)).then(a.2.cmp(&b.2)));
         let wanted = (8 * query.n).max(16);
         let n_open = open.iter().filter(|&&open| open).count() as f64;
-        let mut limit = query.most_lines.max(query.usual_lines * self.density * n_open);
-        loop {
-            let mut out = Vec::new();
-            for &(mismatch, row, col) in &spots {
-                let (top, left) = (row * factor, col * factor);
-                let center = [top as f64 + rows as f64 / 2.0, left as f64 + cols as f64 / 2.0];
-                let usable = mismatch.is_finite()
-                    && self.exemplar.voids.is_whole(top as i64, left as i64, rows, cols)
-                    && !skip(center)
-                    && self.lines_in(row, col, h, w, &open) <= limit;
-                if usable {
-                    out.push(Found { row: top, col: left, mismatch, lift: 0.0 });
-                    if out.len() == wanted {
-                        break;
+        let least = query.most_lines.max(query.usual_lines * self.density * n_open);
+        // Each is counted once, and only if it is come by.
+        let (mut served, mut lines) = (vec![None; spots.len()], vec![None; spots.len()]);
+        for &most in most {
+            let mut limit = least;
+            loop {
+                job.check()?;
+                let mut out = Vec::new();
+                for (spot, &(mismatch, row, col)) in spots.iter().enumerate() {
+                    let (top, left) = (row * factor, col * factor);
+                    let center = [top as f64 + rows as f64 / 2.0, left as f64 + cols as f64 / 2.0];
+                    let usable = mismatch.is_finite()
+                        && self.exemplar.voids.is_whole(top as i64, left as i64, rows, cols)
+                        && *served[spot].get_or_insert_with(|| uses(center)) < most
+                        && *lines[spot].get_or_insert_with(|| self.lines_in(row, col, h, w, &open)) <= limit;
+                    if usable {
+                        let weight = weight(row, col);
+                        out.push(Found { row: top, col: left, mismatch, lift: 0.0, weight });
+                        if out.len() == wanted {
+                            break;
+                        }
                     }
                 }
+                if !out.is_empty() {
+                    return Ok(out);
+                }
+                if limit > 4.0 * (rows * cols) as f64 {
+                    break;
+                }
+                limit = (2.0 * limit).max(1.0);
             }
-            if !out.is_empty() || limit > 4.0 * (rows * cols) as f64 {
-                return Ok(out);
-            }
-            limit = (2.0 * limit).max(1.0);
-            job.check()?;
         }
+        Ok(Vec::new())
     }
 
     /// Length of line in the cells that would be filled from (`row`, `col`).

@@ -66,14 +66,16 @@ fn a_window_of_the_exemplar_is_found_at_its_place_at_any_level() {
             lift: Some(1000.0),
             most_lines: f64::INFINITY,
             usual_lines: 0.0,
+            balanced: false,
             n: 3,
         };
-        let found = searcher.search(&query, |_| false, &Job::detached()).unwrap();
+        let found = searcher.search(&query, &[1], |_| 0, &Job::detached()).unwrap();
         assert_eq!((found[0].row, found[0].col), (row, col), "{factor}");
         assert!(found[0].mismatch < 1e-6 && (found[0].lift - 55.0).abs() < 1e-6);
         // Held to its level it costs the square of what is missing.
-        let held =
-            searcher.search(&Query { lift: Some(50.0), n: 1, ..query }, |_| false, &Job::detached()).unwrap();
+        let held = searcher
+            .search(&Query { lift: Some(50.0), n: 1, ..query }, &[1], |_| 0, &Job::detached())
+            .unwrap();
         assert!((held[0].mismatch - 25.0).abs() < 1e-3, "{:?}", held[0]);
     }
 }
@@ -91,7 +93,8 @@ fn a_window_larger_than_the_exemplar_fits_nowhere() {
         lift: None,
         most_lines: 0.0,
         usual_lines: 0.0,
+        balanced: false,
         n: 1,
     };
-    assert!(searcher.search(&query, |_| false, &Job::detached()).unwrap().is_empty());
+    assert!(searcher.search(&query, &[1], |_| 0, &Job::detached()).unwrap().is_empty());
 }
