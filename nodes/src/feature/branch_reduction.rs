@@ -106,7 +106,8 @@ fn groups(network: &Forest) -> Vec<Vec<usize>> {
 pub fn reduce(forest: Forest, crests: &[f32], by: &Reduction, job: &Job) -> Result<Forest> {
     let alive = forest.links.iter().map(|links| *links != 0).collect();
     let mut forest = forest;
-    let openings = openings(&forest, crests, by.parallel_radius, job)?;
+    let width = if by.rings { by.parallel_radius } else { 0.0 };
+    let openings = openings(&forest, crests, width, job)?;
     openings.iter().for_each(|&(cell, direction)| forest.join(cell, direction));
     let full = forest.clone();
     let mut pruner = Pruner { forest, alive, crests, by };

@@ -114,6 +114,10 @@ pub struct Reduction {
     /// Gives ends that stay the segments back that trimming took.
     #[param(default = true)]
     pub regrow: bool,
+    /// Keeps lines whole that close around ground, but for one segment: what is left of them where polygon breaking opened
+    /// them is no branch. They are wider than the parallel radius.
+    #[param(default = true)]
+    pub rings: bool,
 }
 
 /// The profiles across a working cell.
@@ -187,7 +191,12 @@ impl Steps {
                 sided: Sided::AnyPath,
                 floor: 0.0,
                 importance: Importance::MeanEndpoint,
-                reduction: Reduction { parallel_radius: 0.0, regrow: false, ..Reduction::default() },
+                reduction: Reduction {
+                    parallel_radius: 0.0,
+                    regrow: false,
+                    rings: false,
+                    ..Reduction::default()
+                },
                 ..self
             },
             Preset::PlugIn => Self { working_cell: 5, drop: Drop::Share(0.05), ..self },

@@ -7,7 +7,7 @@ use orograph_nodes::{
     feature::{
         lattice::Blocks,
         ppa::{Ppa, PpaIn, find, forest},
-        settings::{Drop, Shaping, Steps},
+        settings::{Drop, Reduction, Shaping, Steps},
     },
     io::read_dem::ReadDem,
 };
@@ -51,7 +51,7 @@ fn read(path: &Path) -> Result<Heightfield, String> {
     read.map(|out| out.terrain).map_err(|error| error.to_string())
 }
 
-/// The prototype knew nothing of the cells' shape, so the counts are those of square cells.
+/// The prototype knew nothing of the cells' shape nor of rings, so the counts are those of square cells and without them.
 fn counts(
     terrain: &Heightfield,
     kind: FeatureKind,
@@ -63,7 +63,8 @@ fn counts(
     let said = |error: Error| error.to_string();
     let square = Grid { cell: CellSize::square(80.0), ..terrain.grid().clone() };
     let terrain = terrain.clone().with_grid(square).map_err(said)?;
-    let steps = Steps { kind, drop: Drop::Share(0.05), ..Steps::default() };
+    let reduction = Reduction { rings: false, ..Reduction::default() };
+    let steps = Steps { kind, drop: Drop::Share(0.05), reduction, ..Steps::default() };
     let found = find(&terrain, &steps, &Shaping::default(), &job).map_err(said)?;
     let count = |kind| found.features.points.iter().filter(|point| point.kind == kind).count();
     let got = (count(PointKind::Branch), count(PointKind::End));

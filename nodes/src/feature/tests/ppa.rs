@@ -409,8 +409,14 @@ fn odd_settings_and_grids_do_not_panic() {
             |row, col| if (row + col) % 4 == 0 { f64::NAN } else { (row * col % 5) as f64 },
         );
         for working_cell in [1, 2, 5, 32] {
-            let reduction =
-                Reduction { end_trim: 0, min_branch: 0, parallel_radius: 0.0, min_group: 0, regrow: true };
+            let reduction = Reduction {
+                end_trim: 0,
+                min_branch: 0,
+                parallel_radius: 0.0,
+                min_group: 0,
+                regrow: true,
+                rings: true,
+            };
             let steps =
                 Steps { working_cell, half_profile: 32, drop: Drop::Share(0.0), reduction, ..steps(0.0) };
             find(&terrain, &steps, &Shaping::default(), &job).unwrap();
