@@ -114,8 +114,8 @@ pub struct Reduction {
     /// Gives ends that stay the segments back that trimming took.
     #[param(default = true)]
     pub regrow: bool,
-    /// Keeps lines whole that close around ground, but for one segment: what is left of them where polygon breaking opened
-    /// them is no branch. They are wider than the parallel radius.
+    /// Keeps lines whole that close around ground, but for one segment. What is left of them beside the place where
+    /// polygon breaking opened them is no branch then. Such rings are wider than the parallel radius.
     #[param(default = true)]
     pub rings: bool,
 }
