@@ -310,7 +310,7 @@ fn what_is_copied_is_a_graph_of_its_own_and_pastes_under_free_names() {
     let mut document = chain(&registry);
     let text = clipboard::copy(&document, &["soft", "shade"], &registry);
     let names = clipboard::paste(&mut document, &text, (100.0, 300.0)).unwrap();
-    assert_eq!(names, ["soft_2", "shade_2"]);
+    assert_eq!(names, ["shade_2", "soft_2"]);
     assert_eq!(document.nodes["shade_2"].inputs["terrain"], [link("soft_2.terrain")]);
     assert_eq!(
         document.nodes["soft_2"].inputs["terrain"],

@@ -37,10 +37,13 @@ fn a_file_that_someone_else_changed_is_not_written_over_without_being_asked() {
 fn a_save_that_fails_leaves_the_old_file() {
     let registry = registry();
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("missing").join("graph.ron");
+    let in_the_way = folder.path().join("graph.ron");
+    fs::write(&in_the_way, "theirs").unwrap();
+    let path = in_the_way.join("graph.ron");
     let error = OpenFile::new(path).save(&chain(&registry), &registry).unwrap_err();
     assert!(matches!(error, SaveError::Io { .. }));
-    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0, "nothing is left behind");
+    assert_eq!(fs::read_to_string(&in_the_way).unwrap(), "theirs");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
 }
 
 /// The program that is killed: it keeps a document and waits. Run by the test below alone.
