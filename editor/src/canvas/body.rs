@@ -60,7 +60,9 @@ fn title(ui: &mut egui::Ui, node: &NodeView) {
         let text = RichText::new(&node.name).strong();
         let text = if node.bypass { text.strikethrough() } else { text };
         ui.add(egui::Label::new(text).selectable(false).truncate());
-        ui.add(egui::Label::new(RichText::new(&node.kind).small().weak()).selectable(false).truncate());
+        // Weak text would drown in the colour.
+        let kind = RichText::new(&node.kind).small().color(ui.visuals().strong_text_color());
+        ui.add(egui::Label::new(kind).selectable(false).truncate());
     });
     response.response.on_hover_text(&node.summary);
 }

@@ -205,7 +205,7 @@ impl Camera {
             up,
             ahead,
             centre: rect.center(),
-            scale: x.min(y * 1.4) * 1.5 * zoom,
+            scale: x.min(y * 1.4) * 1.2 * zoom,
         }
     }
 
