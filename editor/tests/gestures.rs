@@ -83,7 +83,7 @@ fn a_wire_dropped_on_nothing_offers_what_takes_it_and_joins_it() {
     let from = at(&editor, "output soft.terrain") + vec2(3.0, 0.0);
     drag(&mut editor, from, from + vec2(30.0, 180.0));
     assert!(editor.query_by_label("takes a Heightfield").is_some());
-    assert!(editor.query_by_role_and_label(Role::Button, "generate.fbm").is_none(), "it takes nothing");
+    assert!(editor.query_by_role_and_label(Role::Button, "look.plot").is_none(), "it takes a table");
     editor.get_by_label("search nodes").type_text("slope");
     editor.run_steps(3);
     press(&mut editor, NONE, Key::Enter);
