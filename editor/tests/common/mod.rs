@@ -1,6 +1,8 @@
 //! An editor without a window. A helper that fails is a test that fails.
 #![allow(clippy::unwrap_used, dead_code)]
 
+pub(crate) mod hand;
+
 use std::{
     fs,
     path::{Path, PathBuf},
