@@ -68,8 +68,11 @@ impl Journal {
         fs::create_dir_all(folder)?;
         let (held, lock) = own_lock(folder)?;
         let place = lock.with_extension("ron");
-        let desk =
-            Arc::new(Desk { state: Mutex::default(), changed: Condvar::new(), registry: Mutex::new(registry) });
+        let desk = Arc::new(Desk {
+            state: Mutex::default(),
+            changed: Condvar::new(),
+            registry: Mutex::new(registry),
+        });
         let writer = {
             let (desk, place) = (desk.clone(), place.clone());
             std::thread::Builder::new().name("journal".into()).spawn(move || desk.serve(&place))?

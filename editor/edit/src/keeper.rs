@@ -174,8 +174,8 @@ impl Clerk {
             }
         };
         let thread = std::thread::Builder::new().name("settings".into()).spawn(serve);
-        let thread =
-            thread.map_err(|error| Error::Failed(format!("the settings are not kept: no thread: {error}")))?;
+        let thread = thread
+            .map_err(|error| Error::Failed(format!("the settings are not kept: no thread: {error}")))?;
         Ok(Self { orders, answers, thread })
     }
 }

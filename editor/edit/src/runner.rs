@@ -329,13 +329,7 @@ impl Round {
         }
     }
 
-    fn meet(
-        &self,
-        wish: &Wish,
-        work: Work,
-        compiled: &Compiled,
-        scene: &Scene,
-    ) -> Result<Shown, Vec<Fault>> {
+    fn meet(&self, wish: &Wish, work: Work, compiled: &Compiled, scene: &Scene) -> Result<Shown, Vec<Fault>> {
         let about = |error: String, help: Option<String>| {
             vec![Fault { node: Some(wish.output.node.clone()), message: error, help }]
         };

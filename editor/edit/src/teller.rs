@@ -20,7 +20,9 @@ impl Work {
     /// How far the whole work is when so much of the run is done.
     pub(crate) fn share(self, overall: f64) -> News {
         match self {
-            Self::Wish { met, of } => News::Progress((met as f64 + overall.clamp(0.0, 1.0)) / of.max(1) as f64),
+            Self::Wish { met, of } => {
+                News::Progress((met as f64 + overall.clamp(0.0, 1.0)) / of.max(1) as f64)
+            }
             Self::Build => News::Building(overall),
         }
     }

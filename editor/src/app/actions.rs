@@ -142,7 +142,7 @@ impl App {
             Command::Build => self.build(),
             Command::Stop => self.runner.stop(),
             Command::Keys => self.help = Some(Page::keys()),
-            Command::Settings => self.help = Some(Page::settings(&self.registry)),
+            Command::Settings => self.open_settings(),
         }
     }
 

@@ -10,7 +10,7 @@ use std::{
 
 use eframe::egui;
 use orograph_core::ParamValue;
-use orograph_edit::{OpenFile, operations};
+use orograph_edit::{OpenFile, SettingsChange, operations};
 use orograph_engine::{Document, document::Link};
 
 use super::App;
@@ -26,9 +26,11 @@ pub enum Question {
     Input,
     /// A file that a node writes.
     Output,
+    /// A folder.
+    Folder,
 }
 
-/// Asks the user for a file, beginning in a folder; `None` when the user chose none. Called on a thread of its own.
+/// Asks the user for a file or folder, beginning in a folder; `None` when the user chose none. Called on a thread of its own.
 pub type Dialogs = Arc<dyn Fn(Question, &Path) -> Option<PathBuf> + Send + Sync>;
 
 /// What the chosen file is for.
@@ -39,6 +41,8 @@ pub(super) enum For {
     Subgraph,
     Collapse(Vec<String>),
     Param(Link),
+    CacheFolder,
+    PluginFolder,
 }
 
 /// A dialog that is open.
@@ -48,10 +52,11 @@ pub(super) struct Waiting {
 }
 
 /// What is to be done once unsaved work is saved or given up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Then {
     New,
     Open,
+    Reopen(PathBuf),
     Quit,
 }
 
@@ -84,6 +89,8 @@ impl App {
         match purpose {
             For::Open => self.open(&path),
             For::SaveAs => self.save_as(path),
+            For::CacheFolder => self.settings_folder(|folder| SettingsChange::Cache(Some(folder)), path),
+            For::PluginFolder => self.settings_folder(SettingsChange::AddPlugins, path),
             For::Subgraph => self.add_graph(&path),
             For::Collapse(names) => self.collapse(&names, &path),
             For::Param(link) => {
@@ -123,6 +130,7 @@ impl App {
         match then {
             Then::New => self.replace(None, Document::new()),
             Then::Open => self.ask_file(Question::Graph, For::Open),
+            Then::Reopen(graph) => self.reopen(graph),
             Then::Quit => self.quit = true,
         }
     }
@@ -136,7 +144,7 @@ impl App {
     }
 
     pub(super) fn closing_ui(&mut self, ctx: &egui::Context) {
-        let Some(then) = self.closing else { return };
+        let Some(then) = self.closing.clone() else { return };
         let mut settled = None;
         egui::Modal::new("unsaved".into()).show(ctx, |ui| {
             ui.heading("There are unsaved changes");

@@ -18,6 +18,7 @@ impl App {
                     self.complain("Comments inside the graph are lost when it is saved from here");
                 }
                 self.replace(Some(file), document);
+                self.remember(path);
             }
             Err(errors) => self.complain(errors.to_string()),
         }
@@ -85,6 +86,7 @@ impl App {
                     self.complain("Files that nodes read are named relative to the graph: see that they are found from its new folder");
                 }
                 self.interfaces = Interfaces::new(self.registry.clone(), folder);
+                self.remember(file.path());
                 self.file = Some(file);
                 self.editing.saved();
                 self.kept = u64::MAX;

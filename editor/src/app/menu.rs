@@ -22,6 +22,9 @@ impl App {
                         if ui.add_enabled(self.can(entry.command), button).clicked() {
                             chosen = Some(entry.command);
                         }
+                        if entry.command == Command::Open {
+                            self.recent_menu(ui);
+                        }
                     }
                 });
             }
@@ -60,15 +63,7 @@ impl App {
 
     pub(super) fn status(&mut self, ui: &mut egui::Ui) {
         ui.horizontal(|ui| {
-            if let Some(done) = self.building {
-                ui.add(egui::ProgressBar::new(done as f32).desired_width(140.0).text("building"));
-            }
-            if let Some(done) = self.progress {
-                ui.add(egui::ProgressBar::new(done as f32).desired_width(140.0).text("preview"));
-            }
-            if (self.building.is_some() || self.progress.is_some()) && ui.small_button("stop").clicked() {
-                self.runner.stop();
-            }
+            self.progress_ui(ui);
             let n = self.faults.len();
             if n > 0 {
                 let words =

@@ -12,8 +12,11 @@ mod hear;
 mod help;
 mod menu;
 mod nodes;
+mod progress;
+mod recent;
 mod recovery;
 mod search;
+mod settings;
 mod sketch;
 mod variations;
 
@@ -22,24 +25,36 @@ use std::{collections::HashMap, path::PathBuf, sync::Arc};
 use eframe::egui;
 use orograph_core::Context;
 use orograph_edit::{
-    Badge, Editing, Fault, Interfaces, Journal, OpenFile, Runner, Wish, operations, operations::Refused,
+    Badge, Editing, Fault, Interfaces, Journal, Keeper, OpenFile, Runner, Wish, operations,
+    operations::Refused,
 };
-use orograph_engine::{Document, Evaluator, Registry, document::Link};
+use orograph_engine::{Document, Evaluator, Registry, document::Link, plugin::Found};
+use orograph_session::Settings;
 
 pub use command::Command;
 pub use dialogs::{Dialogs, Question};
+pub use settings::PluginLoader;
 
 use crate::{
     canvas::{Canvas, NodeView, Wire},
     inspector::Inspector,
     views::{Pane, Tool},
 };
+use progress::Progress;
 use search::Search;
 
 /// What the editor begins with.
 pub struct Start {
     /// The node types.
     pub registry: Arc<Registry>,
+    /// The libraries of plugins that were looked at for them.
+    pub found: Vec<Found>,
+    /// How node types are found again.
+    pub plugins: PluginLoader,
+    /// The settings as they were read.
+    pub settings: Settings,
+    /// Where changes of them are kept; none to keep them nowhere.
+    pub settings_file: Option<PathBuf>,
     /// What evaluates.
     pub evaluator: Arc<Evaluator>,
     /// The graph to open.
@@ -78,8 +93,8 @@ pub struct App {
     badges: HashMap<String, Badge>,
     faults: Vec<Fault>,
     pictures: HashMap<String, egui::TextureHandle>,
-    progress: Option<f64>,
-    building: Option<f64>,
+    progress: Progress,
+    building: Progress,
     asked: Option<(Arc<Document>, Vec<Wish>, Context)>,
     kept: u64,
     notes: Vec<Note>,
@@ -89,6 +104,7 @@ pub struct App {
     dialog: Option<dialogs::Waiting>,
     closing: Option<dialogs::Then>,
     help: Option<help::Page>,
+    preferences: settings::Preferences,
     variations: Option<variations::Variations>,
     left: Vec<orograph_edit::Left>,
     watch: recovery::Watch,
@@ -108,11 +124,13 @@ impl App {
     /// Opens the window's contents.
     #[must_use]
     pub fn new(ctx: &egui::Context, start: Start) -> Self {
-        let Start { registry, evaluator, file, recoveries, out, notes, dialogs } = start;
-        let wake = {
+        let Start { registry, evaluator, file, recoveries, out, notes, dialogs, .. } = start;
+        let wake: Arc<dyn Fn() + Send + Sync> = {
             let ctx = ctx.clone();
             Arc::new(move || ctx.request_repaint())
         };
+        let keeper = Keeper::new(start.settings, start.settings_file, wake.clone());
+        let preferences = settings::Preferences::new(keeper, evaluator.clone(), start.plugins, start.found);
         let runner = Runner::new(evaluator, registry.clone(), wake);
         let mut app = Self {
             interfaces: Interfaces::new(registry.clone(), PathBuf::new()),
@@ -135,8 +153,8 @@ impl App {
             badges: HashMap::new(),
             faults: Vec::new(),
             pictures: HashMap::new(),
-            progress: None,
-            building: None,
+            progress: Progress::default(),
+            building: Progress::default(),
             asked: None,
             kept: 0,
             notes: notes.into_iter().map(|text| Note { text, bad: true }).collect(),
@@ -146,6 +164,7 @@ impl App {
             dialog: None,
             closing: None,
             help: None,
+            preferences,
             variations: None,
             left: Vec::new(),
             watch: recovery::Watch::default(),
@@ -191,10 +210,16 @@ impl App {
         self.canvas.to_window()
     }
 
-    /// Whether nothing is being computed.
+    /// Whether nothing goes on beside the window: nothing is computed, written or looked for.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.progress.is_none() && self.building.is_none()
+        !self.progress.is_under_way() && !self.building.is_under_way() && !self.preferences.is_busy()
+    }
+
+    /// The settings of the program.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        self.preferences.keeper.settings()
     }
 
     /// What the first pane shows.
@@ -294,6 +319,7 @@ impl App {
         self.closing_ui(ctx);
         self.frame_title_ui(ctx);
         self.variations_ui(ctx);
+        self.settings_ui(ctx);
         if let Some(page) = &self.help
             && !page.show(ctx)
         {

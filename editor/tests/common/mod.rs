@@ -12,6 +12,7 @@ use eframe::egui::{self, Event, Key, Modifiers, Pos2, Vec2, accesskit::Role, vec
 use egui_kittest::{Harness, kittest::Queryable};
 use orograph_editor::{App, Start};
 use orograph_engine::{Cache, Evaluator};
+use orograph_session::Settings;
 
 /// The editor, made when the first frame gives it a context.
 pub(crate) struct Window {
@@ -66,6 +67,10 @@ impl Place {
     pub(crate) fn start(&self) -> Start {
         Start {
             registry: Arc::new(orograph_session::built_in().unwrap()),
+            found: Vec::new(),
+            plugins: Arc::new(|_| Ok((orograph_session::built_in()?, Vec::new()))),
+            settings: Settings::default(),
+            settings_file: None,
             evaluator: Arc::new(Evaluator::new(Cache::new(1 << 28, None), 2).unwrap()),
             file: Some(self.graph.clone()),
             recoveries: None,
