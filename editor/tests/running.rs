@@ -116,3 +116,59 @@ fn closing_with_unsaved_work_asks_first() {
     settle(&mut editor);
     assert!(editor.state().app().document().nodes.is_empty());
 }
+
+/// Puts something in place of a file that is read no sooner than someone fills it.
+#[cfg(unix)]
+fn make_slow(path: &std::path::Path) {
+    // Whoever looks at the file now and then is to be done with it.
+    std::thread::sleep(std::time::Duration::from_millis(50));
+    fs::remove_file(path).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_slow_disk_freezes_nothing_and_what_is_edited_meanwhile_is_not_taken_for_saved() {
+    let place = Place::new();
+    let mut editor = open(place.start());
+    select(&mut editor, "soft");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    make_slow(&place.graph);
+    editor.key_press_modifiers(CTRL, Key::S);
+    editor.run_steps(3);
+    assert!(editor.query_by_label("saving…").is_some());
+    assert!(editor.state().app().is_dirty(), "nothing is saved before it is");
+    editor.key_press_modifiers(Modifiers::NONE, Key::B);
+    editor.run_steps(3);
+    assert!(!editor.state().app().document().nodes["soft"].bypass, "the window goes on");
+    editor.key_press_modifiers(CTRL, Key::N);
+    editor.run_steps(3);
+    assert_eq!(editor.state().app().document().nodes.len(), 5, "nothing goes before it is saved");
+    fs::write(&place.graph, common::CHAIN).unwrap();
+    settle(&mut editor);
+    assert!(Document::load(&place.graph).unwrap().nodes["soft"].bypass, "as it was when it was to be saved");
+    assert!(editor.state().app().is_dirty());
+    assert!(editor.query_by_label("There are unsaved changes").is_some());
+    editor.get_by_role_and_label(Role::Button, "Save").click();
+    settle(&mut editor);
+    assert!(!Document::load(&place.graph).unwrap().nodes["soft"].bypass);
+    assert!(editor.state().app().document().nodes.is_empty(), "then comes what was asked for");
+}
+
+#[test]
+fn a_graph_without_a_name_asks_for_one_before_it_goes() {
+    let place = Place::new();
+    let named = place.folder.path().join("named");
+    let mut start = place.start();
+    let answer = named.clone();
+    start.file = None;
+    start.dialogs = Arc::new(move |_, _| Some(answer.clone()));
+    let mut editor = open(start);
+    common::event(&mut editor, eframe::egui::Event::Paste(common::CHAIN.into()));
+    settle(&mut editor);
+    press(&mut editor, CTRL, Key::N);
+    editor.get_by_role_and_label(Role::Button, "Save").click();
+    let file = named.with_extension("ron");
+    common::until(&mut editor, |app| app.document().nodes.is_empty());
+    assert_eq!(Document::load(&file).unwrap().nodes.len(), 5);
+}

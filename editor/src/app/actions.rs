@@ -76,8 +76,8 @@ impl App {
         match command {
             Command::New => self.leave(Then::New),
             Command::Open => self.leave(Then::Open),
-            Command::Save => self.save(),
-            Command::SaveAs => self.ask_file(Question::Save, super::dialogs::For::SaveAs),
+            Command::Save => self.save(None),
+            Command::SaveAs => self.ask_file(Question::Save, super::dialogs::For::SaveAs(None)),
             Command::Quit => self.leave(Then::Quit),
             Command::Undo => {
                 self.editing.undo();

@@ -37,7 +37,8 @@ pub type Dialogs = Arc<dyn Fn(Question, &Path) -> Option<PathBuf> + Send + Sync>
 #[derive(Clone, Debug)]
 pub(super) enum For {
     Open,
-    SaveAs,
+    /// And what to do once it is saved.
+    SaveAs(Option<Then>),
     Subgraph,
     Collapse(Vec<String>),
     Param(Link),
@@ -88,7 +89,7 @@ impl App {
         let Some(path) = answer else { return };
         match purpose {
             For::Open => self.open(&path),
-            For::SaveAs => self.save_as(path),
+            For::SaveAs(then) => self.save_as(path, then),
             For::CacheFolder => self.settings_folder(|folder| SettingsChange::Cache(Some(folder)), path),
             For::PluginFolder => self.settings_folder(SettingsChange::AddPlugins, path),
             For::Subgraph => self.add_graph(&path),
@@ -116,7 +117,9 @@ impl App {
 
     /// Does something that ends the work on this document, once the user settled what becomes of unsaved edits.
     pub(super) fn leave(&mut self, then: Then) {
-        if self.editing.is_dirty() {
+        if let Some(writing) = &mut self.writing {
+            writing.then_leave(then);
+        } else if self.editing.is_dirty() {
             self.closing = Some(then);
         } else {
             self.go(then);
@@ -135,11 +138,12 @@ impl App {
         }
     }
 
-    /// Holds the window open while there is unsaved work.
+    /// Holds the window open while there is unsaved work, or work that is being saved.
     pub(super) fn may_close(&mut self, ctx: &egui::Context) {
-        if ctx.input(|input| input.viewport().close_requested()) && !self.quit && self.editing.is_dirty() {
+        let unsaved = self.editing.is_dirty() || self.writing.is_some();
+        if ctx.input(|input| input.viewport().close_requested()) && !self.quit && unsaved {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.closing = Some(Then::Quit);
+            self.leave(Then::Quit);
         }
     }
 
@@ -159,10 +163,7 @@ impl App {
         match settled {
             Some("Save") => {
                 self.closing = None;
-                self.save();
-                if !self.editing.is_dirty() {
-                    self.go(then);
-                }
+                self.save(Some(then));
             }
             Some("Discard") => {
                 self.closing = None;

@@ -64,6 +64,7 @@ impl App {
     pub(super) fn status(&mut self, ui: &mut egui::Ui) {
         ui.horizontal(|ui| {
             self.progress_ui(ui);
+            self.saving_ui(ui);
             let n = self.faults.len();
             if n > 0 {
                 let words =

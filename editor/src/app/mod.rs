@@ -15,6 +15,7 @@ mod nodes;
 mod progress;
 mod recent;
 mod recovery;
+mod save;
 mod search;
 mod settings;
 mod sketch;
@@ -108,6 +109,8 @@ pub struct App {
     variations: Option<variations::Variations>,
     left: Vec<orograph_edit::Left>,
     watch: recovery::Watch,
+    writing: Option<save::Writing>,
+    wake: Arc<dyn Fn() + Send + Sync>,
     title: Option<(usize, String)>,
     quit: bool,
     /// What the window is called now.
@@ -131,7 +134,7 @@ impl App {
         };
         let keeper = Keeper::new(start.settings, start.settings_file, wake.clone());
         let preferences = settings::Preferences::new(keeper, evaluator.clone(), start.plugins, start.found);
-        let runner = Runner::new(evaluator, registry.clone(), wake);
+        let runner = Runner::new(evaluator, registry.clone(), wake.clone());
         let mut app = Self {
             interfaces: Interfaces::new(registry.clone(), PathBuf::new()),
             editing: Editing::new(Document::new()),
@@ -168,6 +171,8 @@ impl App {
             variations: None,
             left: Vec::new(),
             watch: recovery::Watch::default(),
+            writing: None,
+            wake,
             title: None,
             quit: false,
             called: String::new(),
@@ -213,7 +218,8 @@ impl App {
     /// Whether nothing goes on beside the window: nothing is computed, written or looked for.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        !self.progress.is_under_way() && !self.building.is_under_way() && !self.preferences.is_busy()
+        let computes = self.progress.is_under_way() || self.building.is_under_way();
+        !computes && self.writing.is_none() && !self.preferences.is_busy()
     }
 
     /// The settings of the program.
@@ -232,6 +238,7 @@ impl App {
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.hear(&ctx);
+        self.saving_answers();
         self.keys(&ctx);
         egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
@@ -393,6 +400,9 @@ impl eframe::App for App {
 
     fn on_exit(&mut self) {
         self.runner.stop();
+        if let Some(writing) = self.writing.take() {
+            writing.wait();
+        }
         if let Some(journal) = &self.journal {
             // What is unsaved at this point was given up, or stays to be recovered.
             let _ = journal.flush();

@@ -109,6 +109,17 @@ pub(crate) fn settle(editor: &mut Editor) {
     }
 }
 
+/// Frames until something is so, which may take more than what is computed: a dialog, a thread.
+pub(crate) fn until(editor: &mut Editor, is_so: impl Fn(&App) -> bool) {
+    let begun = Instant::now();
+    while !is_so(editor.state().app()) {
+        editor.run_steps(1);
+        assert!(begun.elapsed() < Duration::from_secs(120), "it does not come to be so");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    settle(editor);
+}
+
 pub(crate) fn press(editor: &mut Editor, modifiers: Modifiers, key: Key) {
     editor.key_press_modifiers(modifiers, key);
     settle(editor);
