@@ -187,6 +187,17 @@ fn a_library_that_is_built_while_the_editor_runs_is_run_after_a_reload() {
     assert_eq!(answer(&editor), Some(42.0));
     click(&mut editor, Role::CheckBox, "Sound in a process of its own");
     assert_eq!(answer(&editor), Some(42.0), "apart as well");
+    // A node says by which plugin it came, for those who have it not.
+    click(&mut editor, Role::Button, "Close window");
+    press(&mut editor, Modifiers::NONE, Key::Tab);
+    editor.get_by_label("search nodes").type_text("sound");
+    editor.run_steps(3);
+    press(&mut editor, Modifiers::NONE, Key::Enter);
+    let document = editor.state().app().document().clone();
+    assert_eq!(document.nodes[&editor.state().app().selection()[0]].plugin, "Sound");
+    press(&mut editor, CTRL, Key::Z);
+    select(&mut editor, "n");
+    press(&mut editor, CTRL, Key::Comma);
     fs::remove_file(library).unwrap();
     click(&mut editor, Role::Button, "reload plugins");
     assert_eq!(answer(&editor), None);

@@ -156,6 +156,34 @@ fn a_slow_disk_freezes_nothing_and_what_is_edited_meanwhile_is_not_taken_for_sav
 }
 
 #[test]
+#[cfg(unix)]
+fn a_slow_disk_freezes_nothing_when_a_graph_is_opened_and_it_can_be_given_up() {
+    let place = Place::new();
+    let other = place.folder.path().join("other.ron");
+    fs::write(&other, "").unwrap();
+    make_slow(&other);
+    let mut start = place.start();
+    let answer = other.clone();
+    start.dialogs = Arc::new(move |_, _| Some(answer.clone()));
+    let mut editor = open(start);
+    for is_given_up in [true, false] {
+        editor.key_press_modifiers(CTRL, Key::O);
+        common::until_shown(&mut editor, "Reading ");
+        editor.key_press_modifiers(CTRL, Key::A);
+        editor.key_press_modifiers(Modifiers::NONE, Key::Delete);
+        editor.run_steps(3);
+        assert_eq!(editor.state().app().document().nodes.len(), 5, "no edit is lost to what comes");
+        if is_given_up {
+            editor.get_by_role_and_label(Role::Button, "Do not open it").click();
+            settle(&mut editor);
+            assert!(editor.query_by_label_contains("Reading ").is_none());
+        }
+        fs::write(&other, "(format: 1, doc: \"the other\", nodes: {})").unwrap();
+    }
+    common::until(&mut editor, |app| app.document().doc == "the other");
+}
+
+#[test]
 fn a_graph_without_a_name_asks_for_one_before_it_goes() {
     let place = Place::new();
     let named = place.folder.path().join("named");
@@ -171,4 +199,16 @@ fn a_graph_without_a_name_asks_for_one_before_it_goes() {
     let file = named.with_extension("ron");
     common::until(&mut editor, |app| app.document().nodes.is_empty());
     assert_eq!(Document::load(&file).unwrap().nodes.len(), 5);
+}
+
+#[test]
+fn a_build_says_how_long_it_still_takes_and_can_be_stopped() {
+    let place = Place::new();
+    fs::write(&place.graph, common::CHAIN.replace("cells: 48", "cells: 6000")).unwrap();
+    let mut editor = open(place.start());
+    editor.key_press_modifiers(CTRL, Key::B);
+    common::until_shown(&mut editor, " left");
+    press(&mut editor, Modifiers::NONE, Key::Escape);
+    assert!(editor.query_by_label_contains(" left").is_none(), "it is over");
+    assert!(!place.out().join("shade.png").exists());
 }

@@ -16,6 +16,10 @@ const BESIDE: f64 = 36.0;
 impl App {
     /// Keys and events of the clipboard, unless a field of text has the keyboard.
     pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        if self.opening.is_some() {
+            // What they would change is about to go.
+            return;
+        }
         let typing = ctx.egui_wants_keyboard_input() || self.search.is_some();
         let mut chosen = Vec::new();
         ctx.input_mut(|input| {

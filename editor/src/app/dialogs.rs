@@ -88,7 +88,7 @@ impl App {
         let Some(Waiting { purpose, .. }) = self.dialog.take() else { return };
         let Some(path) = answer else { return };
         match purpose {
-            For::Open => self.open(&path),
+            For::Open => self.open_beside(path),
             For::SaveAs(then) => self.save_as(path, then),
             For::CacheFolder => self.settings_folder(|folder| SettingsChange::Cache(Some(folder)), path),
             For::PluginFolder => self.settings_folder(SettingsChange::AddPlugins, path),
@@ -133,7 +133,7 @@ impl App {
         match then {
             Then::New => self.replace(None, Document::new()),
             Then::Open => self.ask_file(Question::Graph, For::Open),
-            Then::Reopen(graph) => self.reopen(graph),
+            Then::Reopen(graph) => self.open_beside(graph),
             Then::Quit => self.quit = true,
         }
     }
@@ -233,7 +233,7 @@ impl App {
     /// Takes what is on the disk in place of what is open.
     pub(super) fn reload(&mut self) {
         if let Some(path) = self.file.as_ref().map(|file| OpenFile::path(file).to_owned()) {
-            self.open(&path);
+            self.open_beside(path);
         }
     }
 }

@@ -1,29 +1,15 @@
-//! The file behind the window: opened and replaced.
+//! The document in the window: replaced by another one.
 
 use std::path::Path;
 
 use orograph_core::ParamKind;
 use orograph_edit::{Editing, Interfaces, Kind, OpenFile};
-use orograph_engine::{Document, DocumentErrors};
+use orograph_engine::Document;
 
 use super::App;
 use crate::{canvas::Canvas, inspector::Inspector};
 
 impl App {
-    /// Opens a graph file in place of what is open.
-    pub fn open(&mut self, path: &Path) {
-        match OpenFile::open(path) {
-            Ok((file, document)) => {
-                if document.has_inner_comments() {
-                    self.complain("Comments inside the graph are lost when it is saved from here");
-                }
-                self.replace(Some(file), document);
-                self.remember(path);
-            }
-            Err(errors) => self.complain(in_words(&errors)),
-        }
-    }
-
     pub(super) fn replace(&mut self, file: Option<OpenFile>, document: Document) {
         let folder =
             file.as_ref().and_then(|file| file.path().parent()).map(Path::to_owned).unwrap_or_default();
@@ -66,13 +52,4 @@ impl App {
                 || interface.params.iter().any(|param| param.spec.kind == ParamKind::InputPath)
         })
     }
-}
-
-/// What is wrong with a file, line by line, each with its mend.
-pub(super) fn in_words(errors: &DocumentErrors) -> String {
-    let words = errors.errors().iter().map(|error| match error.help_text() {
-        Some(help) => format!("{error}: {help}"),
-        None => error.to_string(),
-    });
-    words.collect::<Vec<_>>().join("\n")
 }

@@ -12,6 +12,7 @@ mod hear;
 mod help;
 mod menu;
 mod nodes;
+mod open;
 mod progress;
 mod recent;
 mod recovery;
@@ -110,6 +111,7 @@ pub struct App {
     left: Vec<orograph_edit::Left>,
     watch: recovery::Watch,
     writing: Option<save::Writing>,
+    opening: Option<open::Opening>,
     wake: Arc<dyn Fn() + Send + Sync>,
     title: Option<(usize, String)>,
     quit: bool,
@@ -172,6 +174,7 @@ impl App {
             left: Vec::new(),
             watch: recovery::Watch::default(),
             writing: None,
+            opening: None,
             wake,
             title: None,
             quit: false,
@@ -219,7 +222,8 @@ impl App {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         let computes = self.progress.is_under_way() || self.building.is_under_way();
-        !computes && self.writing.is_none() && !self.preferences.is_busy()
+        let waits = self.writing.is_some() || self.opening.is_some();
+        !computes && !waits && !self.preferences.is_busy()
     }
 
     /// The settings of the program.
@@ -322,6 +326,7 @@ impl App {
     fn floating(&mut self, ctx: &egui::Context) {
         self.search_ui(ctx);
         self.refusal_ui(ctx);
+        self.opening_ui(ctx);
         self.recovery_ui(ctx);
         self.closing_ui(ctx);
         self.frame_title_ui(ctx);

@@ -1,6 +1,6 @@
 //! Graphs that were open before, to be opened again.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use eframe::egui;
 use orograph_edit::SettingsChange;
@@ -30,17 +30,9 @@ impl App {
         }
     }
 
-    /// Opens a graph that was open before, or says that it is gone.
-    pub(super) fn reopen(&mut self, graph: PathBuf) {
-        if matches!(graph.try_exists(), Ok(false)) {
-            self.complain(format!(
-                "{} is no longer there, and no longer among the recent files",
-                graph.display()
-            ));
-            self.change_settings(SettingsChange::Gone(graph));
-        } else {
-            self.open(&graph);
-        }
+    /// Whether a graph is among those that were open before.
+    pub(super) fn is_recent(&self, graph: &Path) -> bool {
+        self.preferences.keeper.settings().recent.iter().any(|known| known == graph)
     }
 
     /// Remembers a graph that was opened or saved under a name.

@@ -98,7 +98,7 @@ impl App {
                     left.forget();
                     self.tell("Recovered; save to keep it");
                 }
-                Err(errors) => self.complain(super::files::in_words(&errors)),
+                Err(errors) => self.complain(super::open::in_words(&errors)),
             }
         }
         if let Some(index) = discard {

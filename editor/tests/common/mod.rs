@@ -120,6 +120,16 @@ pub(crate) fn until(editor: &mut Editor, is_so: impl Fn(&App) -> bool) {
     settle(editor);
 }
 
+/// Frames until words stand somewhere in the window.
+pub(crate) fn until_shown(editor: &mut Editor, words: &str) {
+    let begun = Instant::now();
+    while editor.query_all_by_label_contains(words).count() == 0 {
+        editor.run_steps(1);
+        assert!(begun.elapsed() < Duration::from_secs(120), "nothing says `{words}`");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
 pub(crate) fn press(editor: &mut Editor, modifiers: Modifiers, key: Key) {
     editor.key_press_modifiers(modifiers, key);
     settle(editor);

@@ -40,6 +40,13 @@ impl Preferences {
         Self { keeper, window: None, plugins, disk, evaluator, theme: None }
     }
 
+    /// The plugin that supplies a node type; nothing for one of Orograph's own.
+    pub(super) fn supplier(&self, id: &str) -> String {
+        let plugins = self.plugins.found().iter().filter_map(|found| found.outcome.as_ref().ok());
+        let supplier = plugins.into_iter().find(|plugin| plugin.nodes.iter().any(|node| node == id));
+        supplier.map_or_else(String::new, |plugin| plugin.name.clone())
+    }
+
     /// Whether something goes on beside the window.
     pub(super) fn is_busy(&self) -> bool {
         self.keeper.is_busy() || self.plugins.is_busy() || self.disk.is_busy()

@@ -75,8 +75,10 @@ impl Window {
     /// Draws the window; false once it was closed.
     pub(super) fn show(&mut self, ctx: &egui::Context, view: &View<'_>) -> (bool, Vec<Ask>) {
         let (mut open, mut asks) = (true, Vec::new());
+        // Below the menu, and above what is looked at.
+        let place = ctx.content_rect().center_top() + egui::vec2(-280.0, 40.0);
         let window = egui::Window::new("Settings").id("settings".into()).open(&mut open);
-        window.default_width(560.0).vscroll(true).show(ctx, |ui| {
+        window.default_pos(place).default_size([560.0, 640.0]).vscroll(true).show(ctx, |ui| {
             ui.heading("Colours");
             ui.horizontal(|ui| {
                 for (theme, label) in
