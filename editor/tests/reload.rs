@@ -126,8 +126,8 @@ fn every_library_stands_in_the_list_with_its_switch_or_why_it_was_refused() {
     assert!(Settings::load_from(&file).unwrap().isolate.is_empty());
     click(&mut editor, Role::Button, "Add folder…");
     until(&mut editor, |app| !app.settings().plugins.is_empty());
-    assert_eq!(Settings::load_from(&file).unwrap().plugins, [folder.clone()]);
-    assert_eq!(asked.lock().unwrap().last().unwrap().plugins, [folder.clone()]);
+    assert_eq!(Settings::load_from(&file).unwrap().plugins, std::slice::from_ref(&folder));
+    assert_eq!(asked.lock().unwrap().last().unwrap().plugins, std::slice::from_ref(&folder));
     click(&mut editor, Role::Button, &format!("remove the folder {}", folder.display()));
     assert!(Settings::load_from(&file).unwrap().plugins.is_empty());
     assert!(asked.lock().unwrap().last().unwrap().plugins.is_empty());

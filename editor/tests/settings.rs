@@ -163,7 +163,7 @@ fn graphs_that_were_open_are_opened_again_and_one_that_is_gone_is_told() {
     let answer = chosen.clone();
     start.dialogs = Arc::new(move |_, _| Some(answer.lock().unwrap().clone()));
     let mut editor = open(start);
-    assert_eq!(kept(&place).recent, [place.graph.clone()]);
+    assert_eq!(kept(&place).recent, std::slice::from_ref(&place.graph));
     press(&mut editor, CTRL, Key::O);
     until(&mut editor, |app| app.document().doc == "the other");
     assert_eq!(kept(&place).recent, [other.clone(), place.graph.clone()]);

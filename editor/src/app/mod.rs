@@ -21,6 +21,7 @@ mod search;
 mod settings;
 mod sketch;
 mod variations;
+mod words;
 
 use std::{collections::HashMap, path::PathBuf, sync::Arc};
 
@@ -71,6 +72,27 @@ pub struct Start {
     pub dialogs: Dialogs,
 }
 
+impl Start {
+    /// Begins with node types and an evaluator alone: nothing is open, nothing is kept, and no dialog answers.
+    #[must_use]
+    pub fn with(registry: Arc<Registry>, evaluator: Arc<Evaluator>) -> Self {
+        let known = registry.clone();
+        Self {
+            registry,
+            found: Vec::new(),
+            plugins: Arc::new(move |_| Ok(((*known).clone(), Vec::new()))),
+            settings: Settings::default(),
+            settings_file: None,
+            evaluator,
+            file: None,
+            recoveries: None,
+            out: PathBuf::from("out"),
+            notes: Vec::new(),
+            dialogs: Arc::new(|_, _| None),
+        }
+    }
+}
+
 /// The editor.
 pub struct App {
     registry: Arc<Registry>,
@@ -113,7 +135,7 @@ pub struct App {
     writing: Option<save::Writing>,
     opening: Option<open::Opening>,
     wake: Arc<dyn Fn() + Send + Sync>,
-    title: Option<(usize, String)>,
+    words: Option<words::Words>,
     quit: bool,
     /// What the window is called now.
     called: String,
@@ -176,7 +198,7 @@ impl App {
             writing: None,
             opening: None,
             wake,
-            title: None,
+            words: None,
             quit: false,
             called: String::new(),
             registry,
@@ -297,7 +319,7 @@ impl App {
     fn graph(&mut self, ui: &mut egui::Ui) {
         self.redraw();
         let document = self.editing.document().clone();
-        let gestures = self.canvas.show(ui, &self.drawn, &self.wires, &document.layout.frames);
+        let gestures = self.canvas.show(ui, &self.drawn, &self.wires, &document.layout);
         for gesture in gestures {
             self.gesture(ui.ctx(), gesture);
         }
@@ -329,7 +351,7 @@ impl App {
         self.opening_ui(ctx);
         self.recovery_ui(ctx);
         self.closing_ui(ctx);
-        self.frame_title_ui(ctx);
+        self.words_ui(ctx);
         self.variations_ui(ctx);
         self.settings_ui(ctx);
         if let Some(page) = &self.help

@@ -58,7 +58,7 @@ impl App {
             return;
         }
         match self.file.clone() {
-            Some(file) => self.write(&file, over, then),
+            Some(file) => self.write_file(&file, over, then),
             None => self.ask_file(Question::Save, For::SaveAs(then)),
         }
     }
@@ -69,10 +69,10 @@ impl App {
             writing.next = Some(Next::SaveAs(path));
             return;
         }
-        self.write(&OpenFile::new(path), false, then);
+        self.write_file(&OpenFile::new(path), false, then);
     }
 
-    fn write(&mut self, file: &OpenFile, over: bool, then: Option<Then>) {
+    fn write_file(&mut self, file: &OpenFile, over: bool, then: Option<Then>) {
         let state = self.editing.to_be_saved();
         let (document, registry) = (self.editing.document().clone(), self.registry.clone());
         let saving = file.save_beside(document, registry, over, self.wake.clone());

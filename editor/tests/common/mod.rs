@@ -12,7 +12,6 @@ use eframe::egui::{self, Event, Key, Modifiers, Pos2, Vec2, accesskit::Role, vec
 use egui_kittest::{Harness, kittest::Queryable};
 use orograph_editor::{App, Start};
 use orograph_engine::{Cache, Evaluator};
-use orograph_session::Settings;
 
 /// The editor, made when the first frame gives it a context.
 pub(crate) struct Window {
@@ -65,19 +64,9 @@ impl Place {
     }
 
     pub(crate) fn start(&self) -> Start {
-        Start {
-            registry: Arc::new(orograph_session::built_in().unwrap()),
-            found: Vec::new(),
-            plugins: Arc::new(|_| Ok((orograph_session::built_in()?, Vec::new()))),
-            settings: Settings::default(),
-            settings_file: None,
-            evaluator: Arc::new(Evaluator::new(Cache::new(1 << 28, None), 2).unwrap()),
-            file: Some(self.graph.clone()),
-            recoveries: None,
-            out: self.out(),
-            notes: Vec::new(),
-            dialogs: Arc::new(|_, _| None),
-        }
+        let registry = Arc::new(orograph_session::built_in().unwrap());
+        let evaluator = Arc::new(Evaluator::new(Cache::new(1 << 28, None), 2).unwrap());
+        Start { file: Some(self.graph.clone()), out: self.out(), ..Start::with(registry, evaluator) }
     }
 }
 
