@@ -7,6 +7,7 @@ mod arrange;
 mod background;
 mod body;
 mod overview;
+mod wheel;
 mod wires;
 
 use std::collections::{HashMap, HashSet};
@@ -118,6 +119,7 @@ pub struct Canvas {
     /// From places in the graph to places in the window, of the last frame.
     to_window: TSTransform,
     rect: Option<Rect>,
+    wheel: wheel::Wheel,
     fit: bool,
 }
 
@@ -224,11 +226,12 @@ impl Canvas {
         let index: IndexMap<NodeId, usize> =
             nodes.iter().enumerate().map(|(index, node)| (node_id(&node.name), index)).collect();
         let mut graph =
-            egui_graph::Graph::from_id(id()).zoom_range(0.1..=2.0).snap(Some(egui_graph::Snap::Round));
+            egui_graph::Graph::from_id(id()).zoom_range(wheel::SCALES).snap(Some(egui_graph::Snap::Round));
         if let Some(selection) = self.select.take() {
             graph = graph.selected_nodes(selection);
         }
         let mut view = std::mem::take(&mut self.view);
+        let turned = self.wheel.take(ui, self.rect());
         let response = graph.show(&mut view, ui, |ui, show| {
             self.to_window = ui.ctx().layer_transform_to_global(ui.layer_id()).unwrap_or_default();
             self.frames(ui, &layout.frames, &mut gestures);
@@ -247,6 +250,7 @@ impl Canvas {
             });
         });
         self.view = view;
+        self.turn(&ctx, turned);
         if let Some(selected) = response.selection_changed {
             let names = nodes.iter().map(|node| &node.name);
             self.selection = names.filter(|name| selected.contains(&node_id(name))).cloned().collect();
@@ -264,6 +268,17 @@ impl Canvas {
             self.view.scene_rect = rect;
         }
         gestures
+    }
+
+    /// Enlarges by the wheel.
+    fn turn(&mut self, ctx: &egui::Context, turned: f32) {
+        if turned != 0.0
+            && let Some(pos) = ctx.input(|input| input.pointer.latest_pos())
+        {
+            let at = self.to_window.inverse() * pos;
+            self.view.scene_rect = wheel::enlarged(self.view.scene_rect, at, self.to_window.scaling, turned);
+            ctx.request_repaint();
+        }
     }
 
     /// Clicks beside the nodes.

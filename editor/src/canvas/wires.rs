@@ -84,11 +84,12 @@ impl Canvas {
                 .show(edges_ctx, ui);
             if response.double_clicked() {
                 let ends = (edges_ctx.output(ui, start.0, output), edges_ctx.input(ui, end.0, input));
-                if let (Some((first, _)), Some((last, _))) = ends {
+                let pointer = ui.input(|input| input.pointer.interact_pos());
+                if let (Some((first, _)), Some((last, _)), Some(pointer)) = (ends.0, ends.1, pointer) {
                     let mut through = through.to_vec();
-                    let place = response.closest_point();
-                    let index = detour(first, &places, last, place);
-                    through.insert(index, (f64::from(place.x.round()), f64::from(place.y.round())));
+                    let (x, y) = self.place_at(pointer);
+                    let index = detour(first, &places, last, pos2(x as f32, y as f32));
+                    through.insert(index, (x.round(), y.round()));
                     gestures.push(Gesture::Bend(wire.clone(), through));
                 }
             }
