@@ -49,7 +49,7 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments) -> Result<(), String> {
     let mut notes = Vec::new();
     let settings = Settings::load().unwrap_or_else(|error| {
-        notes.push(error.to_string());
+        notes.push(error.in_words());
         Settings::default()
     });
     let cache = settings.cache_folder(arguments.cache.as_deref());

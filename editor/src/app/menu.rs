@@ -67,16 +67,20 @@ impl App {
             self.saving_ui(ui);
             let n = self.faults.len();
             if n > 0 {
-                let words =
-                    self.faults.iter().map(|fault| fault.message.as_str()).collect::<Vec<_>>().join("\n");
+                let words = self.faults.iter().map(|fault| match &fault.help {
+                    Some(help) => format!("{}: {help}", fault.message),
+                    None => fault.message.clone(),
+                });
+                let words = words.collect::<Vec<_>>().join("\n");
                 let text = if n == 1 { "1 problem".to_owned() } else { format!("{n} problems") };
                 ui.colored_label(crate::theme::FAULT, text).on_hover_text(words);
             }
             let mut gone = false;
             if let Some(note) = self.notes.last() {
                 let colour = if note.bad { crate::theme::FAULT } else { ui.visuals().text_color() };
-                ui.colored_label(colour, &note.text);
+                // Long words take one line; the pointer over them shows them all.
                 gone = ui.small_button("×").clicked();
+                ui.add(egui::Label::new(egui::RichText::new(&note.text).color(colour)).truncate());
             }
             if gone {
                 self.notes.pop();

@@ -70,14 +70,14 @@ impl App {
 
     fn settings_told(&mut self, outcome: Result<(), orograph_session::Error>) {
         if let Err(error) = outcome {
-            self.complain(in_words(&error));
+            self.complain(error.in_words());
         }
     }
 
     /// Puts settings to use and shows them.
     pub(super) fn settings_ui(&mut self, ctx: &egui::Context) {
         for error in self.preferences.keeper.failures() {
-            self.complain(format!("Settings are not kept: {}", in_words(&error)));
+            self.complain(format!("Settings are not kept: {}", error.in_words()));
         }
         let theme = self.preferences.keeper.settings().theme;
         if self.preferences.theme.replace(theme) != Some(theme) {
@@ -151,14 +151,6 @@ fn colours(theme: Theme) -> egui::ThemePreference {
         Theme::System => egui::ThemePreference::System,
         Theme::Light => egui::ThemePreference::Light,
         Theme::Dark => egui::ThemePreference::Dark,
-    }
-}
-
-/// An error and the mend in a line.
-pub(super) fn in_words(error: &orograph_session::Error) -> String {
-    match error.help() {
-        Some(help) => format!("{error}: {help}"),
-        None => error.to_string(),
     }
 }
 

@@ -12,7 +12,7 @@ use orograph_edit::Interfaces;
 use orograph_engine::{Registry, plugin::Found};
 use orograph_session::{Error, Settings};
 
-use super::{App, in_words};
+use super::App;
 
 /// Finds the node types that there are, those of plugins among them, and tells what became of each library. Called on
 /// a thread of its own.
@@ -98,7 +98,7 @@ impl App {
                     n => self.complain(format!("{words}; {n} were refused, the settings say why")),
                 }
             }
-            Err(error) => self.complain(in_words(&error)),
+            Err(error) => self.complain(error.in_words()),
         }
         if std::mem::take(&mut self.preferences.plugins.again) {
             self.reload_plugins();
