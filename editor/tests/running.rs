@@ -76,6 +76,21 @@ fn saving_keeps_the_words_above_the_graph_and_asks_before_it_overwrites() {
 }
 
 #[test]
+fn what_someone_else_wrote_is_written_over_when_the_user_says_so() {
+    let place = Place::new();
+    let mut editor = open(place.start());
+    select(&mut editor, "soft");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    fs::write(&place.graph, "(format: 1, nodes: {})").unwrap();
+    press(&mut editor, CTRL, Key::S);
+    assert_eq!(read(&place.graph), b"(format: 1, nodes: {})", "not before it is said");
+    editor.get_by_role_and_label(Role::Button, "Overwrite with mine").click();
+    settle(&mut editor);
+    assert!(!editor.state().app().is_dirty());
+    assert!(Document::load(&place.graph).unwrap().nodes["soft"].bypass);
+}
+
+#[test]
 fn what_a_killed_editor_left_is_offered_and_recovered() {
     let place = Place::new();
     let folder = place.folder.path().join("unsaved");
