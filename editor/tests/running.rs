@@ -132,11 +132,16 @@ fn closing_with_unsaved_work_asks_first() {
     assert!(editor.state().app().document().nodes.is_empty());
 }
 
+/// An editor whose time goes by so slowly that it never looks whether someone else changed the file: of two who read
+/// what is filled in once, one would find nothing.
+#[cfg(unix)]
+fn open_unwatched(start: orograph_editor::Start) -> common::Editor {
+    common::open_at(start, 10_000.0)
+}
+
 /// Puts something in place of a file that is read no sooner than someone fills it.
 #[cfg(unix)]
 fn make_slow(path: &std::path::Path) {
-    // Whoever looks at the file now and then is to be done with it.
-    std::thread::sleep(std::time::Duration::from_millis(50));
     fs::remove_file(path).unwrap();
     assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
 }
@@ -145,7 +150,7 @@ fn make_slow(path: &std::path::Path) {
 #[cfg(unix)]
 fn a_slow_disk_freezes_nothing_and_what_is_edited_meanwhile_is_not_taken_for_saved() {
     let place = Place::new();
-    let mut editor = open(place.start());
+    let mut editor = open_unwatched(place.start());
     select(&mut editor, "soft");
     press(&mut editor, Modifiers::NONE, Key::B);
     make_slow(&place.graph);
@@ -168,6 +173,31 @@ fn a_slow_disk_freezes_nothing_and_what_is_edited_meanwhile_is_not_taken_for_sav
     settle(&mut editor);
     assert!(!Document::load(&place.graph).unwrap().nodes["soft"].bypass);
     assert!(editor.state().app().document().nodes.is_empty(), "then comes what was asked for");
+}
+
+#[test]
+#[cfg(unix)]
+fn the_window_closes_no_sooner_than_the_file_is_written() {
+    use eframe::egui::{ViewportCommand, ViewportId};
+
+    let place = Place::new();
+    let mut editor = open_unwatched(place.start());
+    let closes = |editor: &common::Editor| {
+        editor.output().viewport_output[&ViewportId::ROOT].commands.contains(&ViewportCommand::Close)
+    };
+    select(&mut editor, "soft");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    make_slow(&place.graph);
+    editor.key_press_modifiers(CTRL, Key::S);
+    editor.key_press_modifiers(CTRL, Key::Q);
+    for _ in 0..5 {
+        editor.run_steps(1);
+        assert!(!closes(&editor));
+    }
+    fs::write(&place.graph, common::CHAIN).unwrap();
+    settle(&mut editor);
+    assert!(closes(&editor));
+    assert!(Document::load(&place.graph).unwrap().nodes["soft"].bypass);
 }
 
 #[test]
