@@ -15,15 +15,17 @@ use std::{
 
 use orograph_core::{Context, Error, Value};
 use orograph_engine::{
-    CancelToken, CompileOptions, Compiled, Document, DocumentErrors, Evaluator, Graph, Observer, Outcome,
-    OutputRef, Registry, Request, compile,
+    CancelToken, CompileOptions, Compiled, Document, DocumentErrors, Evaluator, Graph, Outcome, OutputRef,
+    Registry, Request, compile,
     document::{Link, read_file},
-    eval::Event,
 };
 
 use orograph_session::Targets;
 
-use crate::operations::part;
+use crate::{
+    operations::part,
+    teller::{LOOK, Teller, Work, is_look, outermost},
+};
 
 /// Something that is to be shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -98,7 +100,7 @@ pub enum News {
     Node(String, Badge),
     /// A wish was met, or why it was not.
     Shown(String, Result<Shown, Vec<Fault>>),
-    /// Share of the present work that is done.
+    /// Share of all wishes that is done.
     Progress(f64),
     /// Nothing is left to do.
     Idle,
@@ -155,6 +157,11 @@ impl Runner {
     #[must_use]
     pub fn evaluator(&self) -> &Arc<Evaluator> {
         &self.evaluator
+    }
+
+    /// Takes other node types for what is begun from now on, as after plugins came or went.
+    pub fn use_registry(&mut self, registry: Arc<Registry>) {
+        self.registry = registry;
     }
 
     /// Begins to meet wishes, in their order, and gives up those of earlier calls.
@@ -278,6 +285,11 @@ impl Round {
         (self.wake)();
     }
 
+    fn teller(&self, work: Work) -> Arc<Teller> {
+        let (sender, wake) = (self.sender.clone(), self.wake.clone());
+        Arc::new(Teller { number: self.number, work, sender, wake })
+    }
+
     fn compile(
         &self,
         document: &Document,
@@ -295,27 +307,29 @@ impl Round {
             Ok(compiled) => missing(compiled),
             Err(errors) => faults(errors),
         }));
-        for wish in wishes {
+        for (met, wish) in wishes.iter().enumerate() {
             if self.token.is_cancelled() {
                 return;
             }
+            let work = Work::Wish { met, of: wishes.len() };
             let result = match &whole {
-                Ok(compiled) if wish.overrides.is_empty() => self.meet(wish, compiled, scene),
+                Ok(compiled) if wish.overrides.is_empty() => self.meet(wish, work, compiled, scene),
                 // What is wrong elsewhere does not matter here.
                 _ => {
                     let part = part(&scene.document, &[&wish.output.node]);
                     self.compile(&part, scene, &wish.overrides)
                         .map_err(|errors| faults(&errors))
-                        .and_then(|compiled| self.meet(wish, &compiled, scene))
+                        .and_then(|compiled| self.meet(wish, work, &compiled, scene))
                 }
             };
             if !self.token.is_cancelled() {
                 self.tell(News::Shown(wish.name.clone(), result));
+                self.tell(work.share(1.0));
             }
         }
     }
 
-    fn meet(&self, wish: &Wish, compiled: &Compiled, scene: &Scene) -> Result<Shown, Vec<Fault>> {
+    fn meet(&self, wish: &Wish, work: Work, compiled: &Compiled, scene: &Scene) -> Result<Shown, Vec<Fault>> {
         let about = |error: String, help: Option<String>| {
             vec![Fault { node: Some(wish.output.node.clone()), message: error, help }]
         };
@@ -331,9 +345,7 @@ impl Round {
         };
         let mut request = Request::values(Arc::new(graph), std::iter::once(output).chain(picture).collect());
         request.context = scene.context;
-        let watcher =
-            Arc::new(Watcher { number: self.number, sender: self.sender.clone(), wake: self.wake.clone() });
-        let report = self.evaluator.run(request, watcher, &self.token);
+        let report = self.evaluator.run(request, self.teller(work), &self.token);
         for node in &report.nodes {
             let done = match &node.outcome {
                 Outcome::Failed(_) | Outcome::Skipped { .. } => continue,
@@ -381,8 +393,7 @@ impl Round {
             }
         })?;
         let request = targets.into_request(scene.context, out, history);
-        let teller = Builder { sender: self.sender.clone(), wake: self.wake.clone() };
-        let report = self.evaluator.run(request, Arc::new(teller), &self.token);
+        let report = self.evaluator.run(request, self.teller(Work::Build), &self.token);
         self.evaluator.flush();
         let failures: Vec<_> = report
             .failures()
@@ -423,64 +434,6 @@ impl Round {
         let graph = builder.build().map_err(wrong)?;
         let port = crate::looks::picture_port(spec).ok_or_else(|| format!("`{look}` makes no picture"))?;
         Ok((graph, Some(OutputRef { node: id, output: port })))
-    }
-}
-
-/// A name that no node of a document can have.
-const LOOK: &str = "a look at it";
-
-fn is_look(name: &str) -> bool {
-    name == LOOK
-}
-
-/// The node of the document that a node of the flat graph belongs to.
-fn outermost(name: &str) -> &str {
-    name.split('/').next().unwrap_or(name)
-}
-
-struct Watcher {
-    number: u64,
-    sender: Sender<(u64, News)>,
-    wake: Arc<dyn Fn() + Send + Sync>,
-}
-
-impl Observer for Watcher {
-    fn event(&self, event: &Event<'_>) {
-        let news = match event {
-            Event::Started { node } => (*node, Badge::Running(0.0), None),
-            Event::Progress { node, done, overall } => (*node, Badge::Running(*done), Some(*overall)),
-            Event::Finished { node, outcome: Outcome::Failed(error), overall }
-                if *error != Error::Cancelled =>
-            {
-                let node_name = Some(outermost(node).to_owned());
-                let fault = Fault { node: node_name, message: error.to_string(), help: error.hint() };
-                (*node, Badge::Failed(fault), Some(*overall))
-            }
-            _ => return,
-        };
-        let (node, badge, overall) = news;
-        if !is_look(node) {
-            let _ = self.sender.send((self.number, News::Node(outermost(node).to_owned(), badge)));
-        }
-        if let Some(overall) = overall {
-            let _ = self.sender.send((self.number, News::Progress(overall)));
-        }
-        (self.wake)();
-    }
-}
-
-/// Tells how far a build is.
-struct Builder {
-    sender: Sender<(u64, News)>,
-    wake: Arc<dyn Fn() + Send + Sync>,
-}
-
-impl Observer for Builder {
-    fn event(&self, event: &Event<'_>) {
-        if let Event::Progress { overall, .. } | Event::Finished { overall, .. } = event {
-            let _ = self.sender.send((ALWAYS, News::Building(*overall)));
-            (self.wake)();
-        }
     }
 }
 

@@ -271,7 +271,8 @@ fn saving_is_remembered_by_state_and_not_by_count() {
             .unwrap();
     };
     bypass(&mut editing, "soft");
-    editing.saved();
+    let state = editing.to_be_saved();
+    editing.saved(state);
     assert!(!editing.is_dirty());
     editing.undo();
     assert!(editing.is_dirty());

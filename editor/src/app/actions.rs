@@ -16,6 +16,10 @@ const BESIDE: f64 = 36.0;
 impl App {
     /// Keys and events of the clipboard, unless a field of text has the keyboard.
     pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        if self.opening.is_some() {
+            // What they would change is about to go.
+            return;
+        }
         let typing = ctx.egui_wants_keyboard_input() || self.search.is_some();
         let mut chosen = Vec::new();
         ctx.input_mut(|input| {
@@ -77,8 +81,8 @@ impl App {
         match command {
             Command::New => self.leave(Then::New),
             Command::Open => self.leave(Then::Open),
-            Command::Save => self.save(),
-            Command::SaveAs => self.ask_file(Question::Save, super::dialogs::For::SaveAs),
+            Command::Save => self.save(None),
+            Command::SaveAs => self.ask_file(Question::Save, super::dialogs::For::SaveAs(None)),
             Command::Quit => self.leave(Then::Quit),
             Command::Undo => {
                 self.editing.undo();
@@ -145,7 +149,7 @@ impl App {
             Command::Build => self.build(),
             Command::Stop => self.runner.stop(),
             Command::Keys => self.help = Some(Page::keys()),
-            Command::Settings => self.help = Some(Page::settings(&self.registry)),
+            Command::Settings => self.open_settings(),
         }
     }
 

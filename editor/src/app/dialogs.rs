@@ -10,7 +10,7 @@ use std::{
 
 use eframe::egui;
 use orograph_core::ParamValue;
-use orograph_edit::{OpenFile, operations};
+use orograph_edit::{OpenFile, SettingsChange, operations};
 use orograph_engine::{Document, document::Link};
 
 use super::App;
@@ -26,19 +26,24 @@ pub enum Question {
     Input,
     /// A file that a node writes.
     Output,
+    /// A folder.
+    Folder,
 }
 
-/// Asks the user for a file, beginning in a folder; `None` when the user chose none. Called on a thread of its own.
+/// Asks the user for a file or folder, beginning in a folder; `None` when the user chose none. Called on a thread of its own.
 pub type Dialogs = Arc<dyn Fn(Question, &Path) -> Option<PathBuf> + Send + Sync>;
 
 /// What the chosen file is for.
 #[derive(Clone, Debug)]
 pub(super) enum For {
     Open,
-    SaveAs,
+    /// And what to do once it is saved.
+    SaveAs(Option<Then>),
     Subgraph,
     Collapse(Vec<String>),
     Param(Link),
+    CacheFolder,
+    PluginFolder,
 }
 
 /// A dialog that is open.
@@ -48,10 +53,11 @@ pub(super) struct Waiting {
 }
 
 /// What is to be done once unsaved work is saved or given up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Then {
     New,
     Open,
+    Reopen(PathBuf),
     Quit,
 }
 
@@ -82,8 +88,10 @@ impl App {
         let Some(Waiting { purpose, .. }) = self.dialog.take() else { return };
         let Some(path) = answer else { return };
         match purpose {
-            For::Open => self.open(&path),
-            For::SaveAs => self.save_as(path),
+            For::Open => self.open_beside(path),
+            For::SaveAs(then) => self.save_as(path, then),
+            For::CacheFolder => self.settings_folder(|folder| SettingsChange::Cache(Some(folder)), path),
+            For::PluginFolder => self.settings_folder(SettingsChange::AddPlugins, path),
             For::Subgraph => self.add_graph(&path),
             For::Collapse(names) => self.collapse(&names, &path),
             For::Param(link) => {
@@ -109,7 +117,9 @@ impl App {
 
     /// Does something that ends the work on this document, once the user settled what becomes of unsaved edits.
     pub(super) fn leave(&mut self, then: Then) {
-        if self.editing.is_dirty() {
+        if let Some(writing) = &mut self.writing {
+            writing.then_leave(then);
+        } else if self.editing.is_dirty() {
             self.closing = Some(then);
         } else {
             self.go(then);
@@ -123,20 +133,22 @@ impl App {
         match then {
             Then::New => self.replace(None, Document::new()),
             Then::Open => self.ask_file(Question::Graph, For::Open),
+            Then::Reopen(graph) => self.open_beside(graph),
             Then::Quit => self.quit = true,
         }
     }
 
-    /// Holds the window open while there is unsaved work.
+    /// Holds the window open while there is unsaved work, or work that is being saved.
     pub(super) fn may_close(&mut self, ctx: &egui::Context) {
-        if ctx.input(|input| input.viewport().close_requested()) && !self.quit && self.editing.is_dirty() {
+        let unsaved = self.editing.is_dirty() || self.writing.is_some();
+        if ctx.input(|input| input.viewport().close_requested()) && !self.quit && unsaved {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.closing = Some(Then::Quit);
+            self.leave(Then::Quit);
         }
     }
 
     pub(super) fn closing_ui(&mut self, ctx: &egui::Context) {
-        let Some(then) = self.closing else { return };
+        let Some(then) = self.closing.clone() else { return };
         let mut settled = None;
         egui::Modal::new("unsaved".into()).show(ctx, |ui| {
             ui.heading("There are unsaved changes");
@@ -151,10 +163,7 @@ impl App {
         match settled {
             Some("Save") => {
                 self.closing = None;
-                self.save();
-                if !self.editing.is_dirty() {
-                    self.go(then);
-                }
+                self.save(Some(then));
             }
             Some("Discard") => {
                 self.closing = None;
@@ -196,7 +205,7 @@ impl App {
     /// Takes what is on the disk in place of what is open.
     pub(super) fn reload(&mut self) {
         if let Some(path) = self.file.as_ref().map(|file| OpenFile::path(file).to_owned()) {
-            self.open(&path);
+            self.open_beside(path);
         }
     }
 }

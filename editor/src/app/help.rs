@@ -1,9 +1,7 @@
-//! Pages of help: a node's, from its spec; the keys; the program's settings.
+//! Pages of help: a node's, from its spec; the keys.
 
 use eframe::egui;
 use orograph_core::{Arity, NodeSpec, ParamKind};
-use orograph_engine::Registry;
-use orograph_session::Settings;
 
 use super::command::ENTRIES;
 
@@ -16,7 +14,6 @@ pub(super) struct Page {
 enum Content {
     Node(Box<NodeSpec>),
     Keys,
-    Settings { file: String, text: String },
 }
 
 impl Page {
@@ -28,15 +25,6 @@ impl Page {
         Self { title: "Keys".into(), content: Content::Keys }
     }
 
-    pub(super) fn settings(registry: &Registry) -> Self {
-        let file = Settings::file().map_or_else(|| "nowhere".to_owned(), |file| file.display().to_string());
-        let text = match Settings::load() {
-            Ok(settings) => format!("{settings:#?}\n\n{} node types", registry.iter().count()),
-            Err(error) => error.to_string(),
-        };
-        Self { title: "Settings".into(), content: Content::Settings { file, text } }
-    }
-
     /// Draws the page; false once it was closed.
     pub(super) fn show(&self, ctx: &egui::Context) -> bool {
         let mut open = true;
@@ -44,11 +32,6 @@ impl Page {
         window.vscroll(true).show(ctx, |ui| match &self.content {
             Content::Node(spec) => node(ui, spec),
             Content::Keys => keys(ui),
-            Content::Settings { file, text } => {
-                ui.label("Kept in");
-                ui.monospace(file);
-                ui.monospace(text);
-            }
         });
         open
     }

@@ -22,6 +22,9 @@ impl App {
                         if ui.add_enabled(self.can(entry.command), button).clicked() {
                             chosen = Some(entry.command);
                         }
+                        if entry.command == Command::Open {
+                            self.recent_menu(ui);
+                        }
                     }
                 });
             }
@@ -60,27 +63,24 @@ impl App {
 
     pub(super) fn status(&mut self, ui: &mut egui::Ui) {
         ui.horizontal(|ui| {
-            if let Some(done) = self.building {
-                ui.add(egui::ProgressBar::new(done as f32).desired_width(140.0).text("building"));
-            }
-            if let Some(done) = self.progress {
-                ui.add(egui::ProgressBar::new(done as f32).desired_width(140.0).text("preview"));
-            }
-            if (self.building.is_some() || self.progress.is_some()) && ui.small_button("stop").clicked() {
-                self.runner.stop();
-            }
+            self.progress_ui(ui);
+            self.saving_ui(ui);
             let n = self.faults.len();
             if n > 0 {
-                let words =
-                    self.faults.iter().map(|fault| fault.message.as_str()).collect::<Vec<_>>().join("\n");
+                let words = self.faults.iter().map(|fault| match &fault.help {
+                    Some(help) => format!("{}: {help}", fault.message),
+                    None => fault.message.clone(),
+                });
+                let words = words.collect::<Vec<_>>().join("\n");
                 let text = if n == 1 { "1 problem".to_owned() } else { format!("{n} problems") };
                 ui.colored_label(crate::theme::FAULT, text).on_hover_text(words);
             }
             let mut gone = false;
             if let Some(note) = self.notes.last() {
                 let colour = if note.bad { crate::theme::FAULT } else { ui.visuals().text_color() };
-                ui.colored_label(colour, &note.text);
+                // Long words take one line; the pointer over them shows them all.
                 gone = ui.small_button("×").clicked();
+                ui.add(egui::Label::new(egui::RichText::new(&note.text).color(colour)).truncate());
             }
             if gone {
                 self.notes.pop();
