@@ -37,11 +37,11 @@ fn every_line_of_the_keys_page_is_an_entry_of_a_menu_and_the_other_way_round() {
     assert!(entries.len() > 30, "{entries:?}");
     press(&mut editor, NONE, Key::F1);
     for entry in &entries {
-        let name = entry.split("  ").next().unwrap();
-        assert!(
-            editor.query_all_by_label(name).any(|node| node.accesskit_node().role() == Role::Label),
-            "the keys page tells of {name}"
-        );
+        let told = |line: String| {
+            entry.strip_prefix(&line).is_some_and(|key| key.is_empty() || key.starts_with(' '))
+        };
+        let mut lines = editor.query_all_by_role(Role::Label).filter_map(|node| node.value());
+        assert!(lines.any(told), "the keys page tells of {entry}");
     }
     for key in ["Ctrl+Z", "Tab", "Ctrl+X", "Ctrl+C", "Ctrl+V"] {
         assert!(editor.query_by_label(key).is_some(), "{key}");

@@ -36,7 +36,8 @@ pub(super) fn show(ctx: NodeCtx<'_>, node: &NodeView) -> FramedResponse<()> {
         }
         if let Some(picture) = node.thumbnail {
             ui.vertical_centered(|ui| {
-                ui.image(egui::load::SizedTexture::new(picture, vec2(THUMBNAIL, THUMBNAIL)));
+                let picture = egui::load::SizedTexture::new(picture, vec2(THUMBNAIL, THUMBNAIL));
+                ui.add(egui::Image::new(picture).alt_text(format!("picture of {}", node.name)));
             });
         }
         if !node.comment.is_empty() {

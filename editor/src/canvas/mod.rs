@@ -5,6 +5,7 @@
 
 mod body;
 mod overview;
+mod tips;
 mod wheel;
 
 use std::collections::HashSet;
@@ -386,13 +387,7 @@ impl Canvas {
                 let label = format!("{kind} {}.{}", node.name, port.name);
                 egui::WidgetInfo::labeled(egui::WidgetType::Button, true, label)
             });
-            socket.clone().on_hover_ui(|ui| {
-                ui.strong(&port.name);
-                ui.label(
-                    port.value_type.map_or_else(|| "of unknown type".to_owned(), |kind| kind.to_string()),
-                );
-                ui.label(&port.doc);
-            });
+            tips::port(&socket, port);
         }
         if let Some(event) = response.edge_event() {
             match event {
