@@ -79,7 +79,11 @@ impl Place {
 }
 
 pub(crate) fn open(start: Start) -> Editor {
-    let mut editor = Harness::builder().with_size(vec2(1500.0, 1000.0)).with_max_steps(200).build_ui_state(
+    open_sized(start, vec2(1500.0, 1000.0))
+}
+
+pub(crate) fn open_sized(start: Start, size: Vec2) -> Editor {
+    let mut editor = Harness::builder().with_size(size).with_max_steps(200).build_ui_state(
         |ui, window: &mut Window| {
             if let Some(start) = window.start.take() {
                 window.app = Some(App::new(ui.ctx(), start));
