@@ -111,6 +111,12 @@ fn cover_times(editor: &mut Editor) {
             to_window * Rect::from_min_size(min, vec2(160.0, node.rect().height()))
         })
         .collect();
+    // Not over what stands above the graph.
+    let free = |rect: &Rect| {
+        let layer = editor.ctx.layer_id_at(rect.center());
+        layer.is_none_or(|layer| layer.order == eframe::egui::Order::Background)
+    };
+    let rects: Vec<Rect> = rects.into_iter().filter(free).collect();
     rects.into_iter().for_each(|rect| editor.mask(rect));
 }
 
