@@ -111,10 +111,11 @@ fn cover_times(editor: &mut Editor) {
             to_window * Rect::from_min_size(min, vec2(160.0, node.rect().height()))
         })
         .collect();
-    // Not over what stands above the graph.
+    // Not over what stands above the graph; through what dims it all is seen.
+    let dimmed = editor.query_by_role_and_label(Role::Button, "Leave it").is_some();
     let free = |rect: &Rect| {
         let layer = editor.ctx.layer_id_at(rect.center());
-        layer.is_none_or(|layer| layer.order == eframe::egui::Order::Background)
+        dimmed || layer.is_none_or(|layer| layer.order == eframe::egui::Order::Background)
     };
     let rects: Vec<Rect> = rects.into_iter().filter(free).collect();
     rects.into_iter().for_each(|rect| editor.mask(rect));
@@ -122,12 +123,20 @@ fn cover_times(editor: &mut Editor) {
 
 fn chain() -> (Place, Editor) {
     let place = Place::new();
+    // Smooth ground, so that the files are small.
+    fs::write(&place.graph, common::CHAIN.replace("cells: 48", "cells: 48, octaves: 2")).unwrap();
     let mut editor = open_sized(place.start(), SIZE);
     let ctx = editor.ctx.clone();
     ctx.global_style_mut(|style| style.visuals.text_cursor.blink = false);
-    // Nothing but what the scene does tells of itself.
-    settle(&mut editor);
+    show_all(&mut editor);
     (place, editor)
+}
+
+/// All nodes in view by the sizes that they have in the end, whichever picture came first.
+fn show_all(editor: &mut Editor) {
+    for _ in 0..3 {
+        press(editor, Modifiers::NONE, Key::Home);
+    }
 }
 
 /// Nodes with pictures and badges, the inspector, a picture with its scale.
@@ -172,11 +181,13 @@ fn sketch() -> (Place, Editor) {
     fs::write(&place.graph, text).unwrap();
     let mut editor = open_sized(place.start(), SIZE);
     select(&mut editor, "ridges");
+    show_all(&mut editor);
     button(&mut editor, "draw");
     for way in [[(0.2, 0.3), (0.5, 0.5), (0.8, 0.35)], [(0.25, 0.8), (0.5, 0.65), (0.7, 0.75)]] {
         let way = way.map(|(x, y)| in_picture(&editor, "view", x, y));
         drag_with(&mut editor, PointerButton::Primary, Modifiers::NONE, &way);
     }
+    show_all(&mut editor);
     (place, editor)
 }
 
