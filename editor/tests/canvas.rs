@@ -8,7 +8,8 @@ use std::fs;
 use common::{
     Editor, Place, at, click, copied, drag,
     hand::{
-        HELD_CTRL, boxed, button, choosing, click_with, double_click, in_window, menu, rect, until, write,
+        HELD_CTRL, boxed, button, choose, choosing, click_with, double_click, in_window, menu, rect, until,
+        write,
     },
     open, press, read, select, settle, title,
 };
@@ -180,6 +181,35 @@ fn arranging_lets_wires_run_to_the_right_and_nodes_stand_apart() {
 }
 
 #[test]
+fn nodes_that_nobody_placed_stand_apart_with_their_pictures() {
+    let place = Place::new();
+    let (start, end) = (common::CHAIN.find("    layout").unwrap(), common::CHAIN.rfind(')').unwrap());
+    fs::write(&place.graph, format!("{}{}", &common::CHAIN[..start], &common::CHAIN[end..])).unwrap();
+    let mut editor = open(place.start());
+    press(&mut editor, CTRL.plus(Modifiers::SHIFT), Key::A);
+    // A frame holds the nodes as they are drawn; one around each tells where it stands.
+    let mut frames = Vec::new();
+    for port in ["hills.terrain", "soft.terrain", "high.mask", "shade.picture"] {
+        let pos = at(&editor, &format!("output {port}"))
+            - vec2(60.0, 0.0) * editor.state().app().to_window().scaling;
+        click(&mut editor, pos);
+        assert_eq!(editor.state().app().selection(), [port.split('.').next().unwrap()]);
+        press(&mut editor, NONE, Key::F);
+        press(&mut editor, NONE, Key::Enter);
+        frames.push(editor.state().app().document().layout.frames.last().unwrap().rect);
+    }
+    // Frames have margins of 24, and a title of 28 above them.
+    let inner = frames.iter().map(|(x, y, width, height)| (x + 24.0, y + 52.0, width - 48.0, height - 76.0));
+    let inner: Vec<_> = inner.collect();
+    for (index, a) in inner.iter().enumerate() {
+        for b in &inner[index + 1..] {
+            let apart = a.0 + a.2 <= b.0 || b.0 + b.2 <= a.0 || a.1 + a.3 <= b.1 || b.1 + b.3 <= a.1;
+            assert!(apart, "{a:?} and {b:?}");
+        }
+    }
+}
+
+#[test]
 fn a_node_is_dissolved_and_its_wires_are_joined() {
     let place = Place::new();
     let mut editor = open(place.start());
@@ -339,9 +369,7 @@ fn the_edit_menu_copies_cuts_pastes_and_duplicates() {
     let place = Place::new();
     let mut editor = open(place.start());
     select(&mut editor, "high");
-    editor.get_by_role_and_label(Role::Button, "Edit").click();
-    editor.run_steps(3);
-    editor.get_by_role_and_label(Role::Button, "Copy").click();
+    choose(&mut editor, "Edit", "Copy");
     let mut text = None;
     for _ in 0..6 {
         editor.run_steps(1);
@@ -352,9 +380,7 @@ fn the_edit_menu_copies_cuts_pastes_and_duplicates() {
     menu(&mut editor, "Edit", "Cut");
     assert!(!editor.state().app().document().nodes.contains_key("high"));
     // The window asks the system for what the clipboard holds, and the system answers with an event.
-    editor.get_by_role_and_label(Role::Button, "Edit").click();
-    editor.run_steps(3);
-    editor.get_by_role_and_label(Role::Button, "Paste").click();
+    choose(&mut editor, "Edit", "Paste");
     let mut wanted = false;
     for _ in 0..6 {
         editor.run_steps(1);

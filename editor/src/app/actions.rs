@@ -103,8 +103,11 @@ impl App {
             Command::SelectAll => self.canvas.select(self.editing.document().nodes.keys().cloned()),
             Command::SelectNone => self.canvas.select([]),
             Command::Add => {
-                let place = self.canvas.middle();
-                self.search = Some(Search::new(place, self.canvas.rect().center(), None));
+                // Where the pointer is, when that is over the graph.
+                let pointer = ctx.input(|input| input.pointer.latest_pos());
+                let canvas = self.canvas.rect();
+                let at = pointer.filter(|pos| canvas.contains(*pos)).unwrap_or(canvas.center());
+                self.search = Some(Search::new(self.canvas.place_at(at), at, None));
             }
             Command::AddGraph => self.ask_file(Question::Graph, super::dialogs::For::Subgraph),
             Command::Bypass => {
