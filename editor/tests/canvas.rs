@@ -345,6 +345,20 @@ fn show_all_brings_every_node_into_view_and_a_click_in_the_overview_looks_there(
 }
 
 #[test]
+fn an_empty_window_shows_its_first_node_as_large_as_drawn() {
+    let place = Place::new();
+    let mut start = place.start();
+    start.file = None;
+    let mut editor = open(start);
+    press(&mut editor, NONE, Key::Tab);
+    editor.get_by_label("search nodes").type_text("fbm");
+    editor.run_steps(3);
+    press(&mut editor, NONE, Key::Enter);
+    assert!(editor.query_by_role_and_label(Role::Button, "output fbm.terrain").is_some());
+    assert!((editor.state().app().to_window().scaling - 1.0).abs() < 0.01);
+}
+
+#[test]
 fn a_node_of_an_unknown_type_is_a_placeholder_in_words_and_saved_back_as_it_was() {
     let place = Place::new();
     let odd = r#""odd": (node: "acme.magic", version: 3, params: (power: 9), inputs: {"in": "hills.terrain"}, plugin: "Acme"),"#;

@@ -74,6 +74,24 @@ fn menus_do_what_they_say() {
 }
 
 #[test]
+fn while_a_question_is_open_keys_do_nothing_behind_it() {
+    let place = Place::new();
+    let mut editor = open(place.start());
+    select(&mut editor, "soft");
+    press(&mut editor, NONE, Key::B);
+    press(&mut editor, Modifiers::COMMAND, Key::N);
+    let before = editor.state().app().document().clone();
+    press(&mut editor, NONE, Key::B);
+    press(&mut editor, NONE, Key::Delete);
+    press(&mut editor, NONE, Key::Tab);
+    assert!(editor.query_by_label("search nodes").is_none());
+    assert_eq!(*editor.state().app().document(), before);
+    button(&mut editor, "Keep editing");
+    press(&mut editor, Modifiers::COMMAND, Key::Z);
+    assert!(!editor.state().app().is_dirty());
+}
+
+#[test]
 fn entries_with_nothing_to_do_are_grey() {
     let place = Place::new();
     let mut editor = open(place.start());

@@ -16,6 +16,18 @@ const BESIDE: f64 = 36.0;
 impl App {
     /// Keys and events of the clipboard, unless a field of text has the keyboard.
     pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        // A question stands before everything else.
+        if ctx.memory(|memory| memory.top_modal_layer().is_some()) {
+            if !ctx.egui_wants_keyboard_input() {
+                // The widget library for graphs would remove what is selected.
+                ctx.input_mut(|input| {
+                    for key in [egui::Key::Delete, egui::Key::Backspace] {
+                        input.consume_key(egui::Modifiers::NONE, key);
+                    }
+                });
+            }
+            return;
+        }
         let typing = ctx.egui_wants_keyboard_input() || self.search.is_some();
         let mut chosen = Vec::new();
         ctx.input_mut(|input| {

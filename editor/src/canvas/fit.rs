@@ -3,11 +3,16 @@
 use eframe::egui::{self, Event, Rect};
 
 /// Whether all is to be looked at.
-#[derive(Default)]
 pub(super) struct Fit {
     wanted: bool,
     /// What was looked at last, until the user does something.
     seen: Option<Rect>,
+}
+
+impl Default for Fit {
+    fn default() -> Self {
+        Self { wanted: true, seen: None }
+    }
 }
 
 impl Fit {

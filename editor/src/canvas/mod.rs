@@ -335,7 +335,11 @@ impl Canvas {
             Rect::from_min_size(pos2(x as f32, y as f32), vec2(width as f32, height as f32))
         });
         let all = self.rects(ctx, nodes).into_iter().map(|(rect, _)| rect).chain(frames).reduce(Rect::union);
-        let Some(all) = all.filter(|all| self.fit.is_due(ctx, *all)) else { return };
+        // Of an empty graph the place where its first nodes will stand.
+        let all = all.unwrap_or(Rect::from_center_size(Pos2::ZERO, Vec2::ZERO));
+        if !self.fit.is_due(ctx, all) {
+            return;
+        }
         // As large as drawn where that fits, else smaller.
         let all = all.expand(40.0);
         let size = all.size().max(self.rect().size());
