@@ -58,7 +58,8 @@ fn the_first_terrain_grows_as_the_guide_says() {
     editor.run_steps(3);
     button(&mut editor, "mountains");
     let Some(Value::Heightfield(terrain)) = editor.state().app().shown().cloned() else { panic!("terrain") };
-    assert_eq!(terrain.voids(), 0, "everything between is invented");
+    let void = (0..terrain.rows()).any(|row| terrain.row(row).iter().any(|height| height.is_nan()));
+    assert!(!void, "everything between is invented");
     let (low, high) = terrain.range().unwrap();
     assert!((850.0..2000.0).contains(&high) && low < 100.0, "{low} {high}");
     // 4. In three dimensions, with colours.

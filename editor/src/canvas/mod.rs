@@ -384,7 +384,7 @@ impl Canvas {
                 let label = format!("{kind} {}.{}", node.name, port.name);
                 egui::WidgetInfo::labeled(egui::WidgetType::Button, true, label)
             });
-            tips::port(&socket, port);
+            tips::port(socket, port);
         }
         if let Some(event) = response.edge_event() {
             match event {
