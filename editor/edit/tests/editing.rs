@@ -167,9 +167,9 @@ fn perform(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Thousands of gestures in all; each document on the way comes back on the way back.
+    /// Five thousand gestures in all; each document on the way comes back on the way back.
     #[test]
     fn any_gestures_are_undone_to_the_start_and_redone_to_the_end(steps in prop::collection::vec(step(), 1..160)) {
         let registry = registry();

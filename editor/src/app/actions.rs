@@ -20,6 +20,18 @@ impl App {
             // What they would change is about to go.
             return;
         }
+        // A question stands before everything else.
+        if ctx.memory(|memory| memory.top_modal_layer().is_some()) {
+            if !ctx.egui_wants_keyboard_input() {
+                // The widget library for graphs would remove what is selected.
+                ctx.input_mut(|input| {
+                    for key in [egui::Key::Delete, egui::Key::Backspace] {
+                        input.consume_key(egui::Modifiers::NONE, key);
+                    }
+                });
+            }
+            return;
+        }
         let typing = ctx.egui_wants_keyboard_input() || self.search.is_some();
         let mut chosen = Vec::new();
         ctx.input_mut(|input| {
@@ -107,8 +119,11 @@ impl App {
             Command::SelectAll => self.canvas.select(self.editing.document().nodes.keys().cloned()),
             Command::SelectNone => self.canvas.select([]),
             Command::Add => {
-                let place = self.canvas.middle();
-                self.search = Some(Search::new(place, self.canvas.rect().center(), None));
+                // Where the pointer is, when that is over the graph.
+                let pointer = ctx.input(|input| input.pointer.latest_pos());
+                let canvas = self.canvas.rect();
+                let at = pointer.filter(|pos| canvas.contains(*pos)).unwrap_or(canvas.center());
+                self.search = Some(Search::new(self.canvas.place_at(at), at, None));
             }
             Command::AddGraph => self.ask_file(Question::Graph, super::dialogs::For::Subgraph),
             Command::Bypass => {

@@ -49,6 +49,7 @@ pub(super) enum For {
 /// A dialog that is open.
 pub(super) struct Waiting {
     purpose: For,
+    question: Question,
     answer: Receiver<Option<PathBuf>>,
 }
 
@@ -64,13 +65,17 @@ pub(super) enum Then {
 impl App {
     pub(super) fn ask_file(&mut self, question: Question, purpose: For) {
         let (sender, answer) = mpsc::channel();
-        let (dialogs, folder) = (self.dialogs.clone(), self.folder());
+        let folder = match question {
+            Question::Output => self.out.clone(),
+            _ => self.folder(),
+        };
+        let dialogs = self.dialogs.clone();
         let spawned = std::thread::Builder::new().name("dialog".into()).spawn(move || {
             // The window may be gone by then.
             let _ = sender.send(dialogs(question, &folder));
         });
         match spawned {
-            Ok(_) => self.dialog = Some(Waiting { purpose, answer }),
+            Ok(_) => self.dialog = Some(Waiting { purpose, question, answer }),
             Err(error) => self.complain(format!("cannot start a thread: {error}")),
         }
     }
@@ -85,7 +90,7 @@ impl App {
             Err(TryRecvError::Disconnected) => None,
             Ok(answer) => answer,
         };
-        let Some(Waiting { purpose, .. }) = self.dialog.take() else { return };
+        let Some(Waiting { purpose, question, .. }) = self.dialog.take() else { return };
         let Some(path) = answer else { return };
         match purpose {
             For::Open => self.open_beside(path),
@@ -95,9 +100,14 @@ impl App {
             For::Subgraph => self.add_graph(&path),
             For::Collapse(names) => self.collapse(&names, &path),
             For::Param(link) => {
-                let text = self.relative(&path);
-                self.set(&link, &ParamValue::Text(text));
-                self.editing.end_gesture();
+                let text = match question {
+                    Question::Output => self.in_output_folder(&path),
+                    _ => Some(self.relative(&path)),
+                };
+                if let Some(text) = text {
+                    self.set(&link, &ParamValue::Text(text));
+                    self.editing.end_gesture();
+                }
             }
         }
     }
@@ -106,6 +116,19 @@ impl App {
     fn relative(&self, path: &Path) -> String {
         let folder = std::path::absolute(self.folder()).unwrap_or_default();
         path.strip_prefix(&folder).unwrap_or(path).to_string_lossy().replace('\\', "/")
+    }
+
+    /// The path as writers name it: relative to the folder that builds write into, which they do not leave.
+    fn in_output_folder(&mut self, path: &Path) -> Option<String> {
+        let out = std::path::absolute(&self.out).unwrap_or_default();
+        match path.strip_prefix(&out) {
+            Ok(inside) => Some(inside.to_string_lossy().replace('\\', "/")),
+            Err(_) => {
+                let out = out.display();
+                self.complain(format!("Builds write into {out} alone: choose a file in there, or start the editor with another --out"));
+                None
+            }
+        }
     }
 
     fn add_graph(&mut self, path: &Path) {

@@ -28,7 +28,14 @@ impl Page {
     /// Draws the page; false once it was closed.
     pub(super) fn show(&self, ctx: &egui::Context) -> bool {
         let mut open = true;
-        let window = egui::Window::new(&self.title).id("help".into()).open(&mut open).default_width(520.0);
+        // Beside the menus, which lie at the top left.
+        let middle = ctx.content_rect().center();
+        let window = egui::Window::new(&self.title)
+            .id("help".into())
+            .open(&mut open)
+            .pivot(egui::Align2::CENTER_CENTER)
+            .default_pos(middle)
+            .default_width(520.0);
         window.vscroll(true).show(ctx, |ui| match &self.content {
             Content::Node(spec) => node(ui, spec),
             Content::Keys => keys(ui),
@@ -41,7 +48,7 @@ fn keys(ui: &mut egui::Ui) {
     egui::Grid::new("keys").striped(true).show(ui, |ui| {
         for entry in ENTRIES.iter().filter(|entry| !entry.label.is_empty()) {
             ui.label(entry.label);
-            let key = entry.shortcut().map(|key| ui.ctx().format_shortcut(&key));
+            let key = entry.told().map(|key| ui.ctx().format_shortcut(&key));
             ui.monospace(key.unwrap_or_default());
             ui.end_row();
         }

@@ -6,6 +6,7 @@ use super::{
     App, Command,
     command::{ENTRIES, Menu},
 };
+use crate::inspector::named;
 
 impl App {
     pub(super) fn menu(&mut self, ui: &mut egui::Ui) {
@@ -16,7 +17,7 @@ impl App {
                     for entry in ENTRIES.iter().filter(|entry| entry.menu == menu && !entry.label.is_empty())
                     {
                         let mut button = egui::Button::new(self.label(entry.command, entry.label));
-                        if let Some(key) = entry.shortcut() {
+                        if let Some(key) = entry.told() {
                             button = button.shortcut_text(ui.ctx().format_shortcut(&key));
                         }
                         if ui.add_enabled(self.can(entry.command), button).clicked() {
@@ -36,16 +37,16 @@ impl App {
             let text = |cells: Option<u32>| {
                 cells.map_or_else(|| "full".to_owned(), |cells| format!("{cells} cells"))
             };
-            egui::ComboBox::from_id_salt("resolution").selected_text(text(self.context.resolution)).show_ui(
-                ui,
-                |ui| {
-                    for cells in [Some(128), Some(256), Some(512), Some(1024), Some(2048), None] {
-                        ui.selectable_value(&mut self.context.resolution, cells, text(cells));
-                    }
-                },
-            );
+            let combo =
+                egui::ComboBox::from_id_salt("resolution").selected_text(text(self.context.resolution));
+            let combo = combo.show_ui(ui, |ui| {
+                for cells in [Some(128), Some(256), Some(512), Some(1024), Some(2048), None] {
+                    ui.selectable_value(&mut self.context.resolution, cells, text(cells));
+                }
+            });
+            named(combo.response, "resolution of the preview");
             ui.label("seed");
-            ui.add(egui::DragValue::new(&mut self.context.seed));
+            named(ui.add(egui::DragValue::new(&mut self.context.seed)), "seed of the preview");
         });
         if let Some(command) = chosen {
             self.command(ui.ctx(), command);
@@ -79,7 +80,7 @@ impl App {
             if let Some(note) = self.notes.last() {
                 let colour = if note.bad { crate::theme::FAULT } else { ui.visuals().text_color() };
                 // Long words take one line; the pointer over them shows them all.
-                gone = ui.small_button("×").clicked();
+                gone = named(ui.small_button("×"), "put the note away").clicked();
                 ui.add(egui::Label::new(egui::RichText::new(&note.text).color(colour)).truncate());
             }
             if gone {

@@ -40,7 +40,7 @@ pub use settings::PluginLoader;
 
 use crate::{
     canvas::{Canvas, NodeView, Wire},
-    inspector::Inspector,
+    inspector::{Inspector, named},
     views::{Pane, Tool},
 };
 use progress::Progress;
@@ -292,7 +292,7 @@ impl App {
                 ui.selectable_value(&mut self.tool, tool, label);
             }
             ui.label("height of what is drawn");
-            ui.add(egui::DragValue::new(&mut self.height));
+            named(ui.add(egui::DragValue::new(&mut self.height)), "height of what is drawn");
         });
         let width = ui.available_width() / self.panes.len().max(1) as f32;
         let height = ui.available_height();

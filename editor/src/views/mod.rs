@@ -9,6 +9,8 @@ use orograph_core::{Texture, Value, ValueType};
 use orograph_edit::{Fault, Shown, Wish, looks};
 use orograph_engine::{Registry, document::Link};
 
+use crate::inspector::named;
+
 pub use ground::Ground;
 pub use picture::{Picture, Probe};
 
@@ -204,7 +206,8 @@ impl Pane {
         }
         let now = self.look(registry, value_type).unwrap_or_default();
         let short = |id: &str| id.rsplit('.').next().unwrap_or(id).replace('_', " ");
-        egui::ComboBox::from_id_salt((&self.name, "look")).selected_text(short(&now)).show_ui(ui, |ui| {
+        let salt = (&self.name, "look");
+        let shown = egui::ComboBox::from_id_salt(salt).selected_text(short(&now)).show_ui(ui, |ui| {
             for spec in &looks {
                 let response =
                     ui.selectable_label(*spec.id == *now, short(&spec.id)).on_hover_text(spec.summary());
@@ -217,6 +220,7 @@ impl Pane {
                 }
             }
         });
+        named(shown.response, &format!("look of {}", self.name));
         if value_type == ValueType::Heightfield {
             let solid = matches!(self.mode, Mode::Ground(_));
             if ui.selectable_label(!solid, "2D").clicked() {

@@ -73,12 +73,21 @@ impl Place {
 }
 
 pub(crate) fn open(start: Start) -> Editor {
-    open_at(start, 4.0)
+    open_with(start, 4.0, vec2(1500.0, 1000.0))
 }
 
 /// An editor that draws so many frames a second of its time.
 pub(crate) fn open_at(start: Start, frames: f32) -> Editor {
-    let harness = Harness::builder().with_size(vec2(1500.0, 1000.0)).with_step_dt(1.0 / frames);
+    open_with(start, frames, vec2(1500.0, 1000.0))
+}
+
+/// An editor in a window of another size.
+pub(crate) fn open_sized(start: Start, size: Vec2) -> Editor {
+    open_with(start, 4.0, size)
+}
+
+fn open_with(start: Start, frames: f32, size: Vec2) -> Editor {
+    let harness = Harness::builder().with_size(size).with_step_dt(1.0 / frames);
     let mut editor = harness.with_max_steps(200).build_ui_state(
         |ui, window: &mut Window| {
             if let Some(start) = window.start.take() {
