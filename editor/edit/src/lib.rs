@@ -4,6 +4,8 @@
 //! ([`operations`], [`subgraph`], [`clipboard`]), [`Editing`] finds out what it changed, and that [`Delta`] is what
 //! undo takes back. The document is the one that the command line runs.
 
+pub mod beside;
+mod chain;
 pub mod clipboard;
 mod delta;
 pub mod file;
@@ -15,6 +17,7 @@ pub mod operations;
 mod runner;
 pub mod subgraph;
 
+pub use beside::Beside;
 pub use delta::{Change, Delta, Foreign, Swap};
 pub use file::OpenFile;
 pub use history::Editing;
