@@ -2,7 +2,7 @@
 
 use std::{collections::BTreeMap, sync::Arc};
 
-use orograph_core::NodeType;
+use orograph_core::{Arity, NodeSpec, NodeType, ValueType};
 
 /// Node types by id. Front ends fill it; the engine never names a node.
 #[derive(Clone, Default)]
@@ -53,6 +53,20 @@ impl Registry {
     /// All types, by id.
     pub fn iter(&self) -> impl Iterator<Item = &Arc<NodeType>> {
         self.nodes.values()
+    }
+
+    /// The types that turn one type of value into another with that input alone, those with fewest settings first.
+    #[must_use]
+    pub fn converters(&self, from: ValueType, to: ValueType) -> Vec<&NodeSpec> {
+        let converts = |spec: &&NodeSpec| {
+            let mut needed = spec.inputs.iter().filter(|input| input.arity == Arity::One);
+            needed.next().is_some_and(|input| input.value_type == from)
+                && needed.next().is_none()
+                && spec.outputs.iter().any(|output| output.value_type == to)
+        };
+        let mut specs: Vec<_> = self.iter().map(|node_type| node_type.spec()).filter(converts).collect();
+        specs.sort_by_key(|spec| (spec.inputs.len() + spec.params.len(), spec.id.clone()));
+        specs
     }
 
     /// The id most like `id`, when one is near enough to be a slip of the pen.

@@ -92,18 +92,28 @@ impl Interface {
     }
 }
 
-/// Looks nodes up: in a registry, and in the files of subgraphs, each read once.
+/// Looks nodes up: in a registry, and in the files of subgraphs, each once, as every frame asks for all of them.
 pub struct Interfaces {
     registry: Arc<Registry>,
     folder: PathBuf,
     graphs: HashMap<PathBuf, Result<Arc<Document>, String>>,
+    of_types: HashMap<String, Arc<Interface>>,
+    of_graphs: HashMap<PathBuf, Arc<Interface>>,
+    looks: Vec<(ValueType, Option<String>)>,
 }
 
 impl Interfaces {
     /// Looks types up in `registry` and subgraphs relative to `folder`.
     #[must_use]
     pub fn new(registry: Arc<Registry>, folder: PathBuf) -> Self {
-        Self { registry, folder, graphs: HashMap::new() }
+        Self {
+            registry,
+            folder,
+            graphs: HashMap::new(),
+            of_types: HashMap::new(),
+            of_graphs: HashMap::new(),
+            looks: Vec::new(),
+        }
     }
 
     /// The node types.
@@ -121,29 +131,49 @@ impl Interfaces {
     /// Reads subgraphs again when they are next asked for.
     pub fn forget_graphs(&mut self) {
         self.graphs.clear();
+        self.of_graphs.clear();
+    }
+
+    /// The node type that shows a value of a type first; see [`looks`](crate::looks).
+    pub fn first_look(&mut self, value_type: ValueType) -> Option<String> {
+        if let Some((_, look)) = self.looks.iter().find(|(of, _)| *of == value_type) {
+            return look.clone();
+        }
+        let look = crate::looks::first(&self.registry, value_type);
+        self.looks.push((value_type, look.clone()));
+        look
     }
 
     /// What a node offers.
-    pub fn of(&mut self, name: &str, node: &Node, document: &Document) -> Interface {
-        let folder = self.folder.clone();
+    pub fn of(&mut self, name: &str, node: &Node, document: &Document) -> Arc<Interface> {
+        let unknown = |reason| Arc::new(unknown(name, node, document, reason));
         match &node.body {
             Body::Type { id, version } => match self.registry.get(id) {
                 Some(known) if version.is_none_or(|version| version <= known.spec().version) => {
-                    of_type(known.clone())
+                    let known = known.clone();
+                    self.of_types.entry(id.clone()).or_insert_with(|| Arc::new(of_type(known))).clone()
                 }
                 Some(known) => {
                     let newest = known.spec().version;
-                    unknown(name, node, document, format!("`{id}` is known up to version {newest} here"))
+                    unknown(format!("`{id}` is known up to version {newest} here"))
                 }
-                None if node.plugin.is_empty() => {
-                    unknown(name, node, document, format!("there is no node type `{id}` here"))
+                None if node.plugin.is_empty() => unknown(format!("there is no node type `{id}` here")),
+                None => unknown(format!("the plugin `{}` is not here", node.plugin)),
+            },
+            Body::Graph { path } => {
+                let file = self.folder.join(path);
+                if let Some(known) = self.of_graphs.get(&file) {
+                    return known.clone();
                 }
-                None => unknown(name, node, document, format!("the plugin `{}` is not here", node.plugin)),
-            },
-            Body::Graph { path } => match self.graph(&folder.join(path)) {
-                Ok(graph) => self.of_graph(&folder.join(path), graph, 0),
-                Err(reason) => unknown(name, node, document, reason),
-            },
+                match self.graph(&file) {
+                    Ok(graph) => {
+                        let interface = Arc::new(self.of_graph(&file, graph, 0));
+                        self.of_graphs.insert(file, interface.clone());
+                        interface
+                    }
+                    Err(reason) => unknown(reason),
+                }
+            }
         }
     }
 

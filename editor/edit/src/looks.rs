@@ -75,6 +75,12 @@ pub fn of(registry: &Registry, value_type: ValueType) -> Vec<&NodeSpec> {
     looks
 }
 
+/// The id of the node type that shows a value of a type first.
+#[must_use]
+pub fn first(registry: &Registry, value_type: ValueType) -> Option<String> {
+    of(registry, value_type).first().map(|spec| spec.id.to_string())
+}
+
 /// The first output that is a picture.
 #[must_use]
 pub fn picture_port(spec: &NodeSpec) -> Option<u32> {

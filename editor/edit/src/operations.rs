@@ -3,7 +3,7 @@
 use indexmap::{IndexMap, IndexSet};
 use orograph_core::{Arity, NodeType, ValueType};
 use orograph_engine::{
-    Document, Registry,
+    Document,
     document::{Exposed, Frame, GRAPH, Link, Literal, Node, is_name},
 };
 
@@ -11,7 +11,7 @@ use crate::{Interfaces, Kind};
 
 /// An edit that was not made, and the mend.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("{message}")]
+#[error("{message}: {help}")]
 pub struct Refused {
     /// Why.
     pub message: String,
@@ -28,6 +28,12 @@ impl Refused {
     }
 }
 
+/// `base`, or it with the first number from 2 on that is not taken.
+pub(crate) fn free(base: &str, taken: impl Fn(&str) -> bool) -> String {
+    let numbered = (2..).map(|n| format!("{base}_{n}"));
+    std::iter::once(base.to_owned()).chain(numbered).find(|name| !taken(name)).unwrap_or_default()
+}
+
 /// A name like `base` that no node of the document has.
 #[must_use]
 pub fn free_name(document: &Document, base: &str) -> String {
@@ -37,7 +43,7 @@ pub fn free_name(document: &Document, base: &str) -> String {
     if is_name(base) && !taken(base) {
         return base.to_owned();
     }
-    (2..).map(|n| format!("{stem}_{n}")).find(|name| !taken(name)).unwrap_or_default()
+    free(stem, |name| name == stem || taken(name))
 }
 
 /// Adds a node of a type and gives its name.
@@ -73,7 +79,8 @@ pub fn connect(
     if let (Some(from_type), Some(to_type)) = (from_type, to_type)
         && from_type != to_type
     {
-        let converters = converters(interfaces.registry(), from_type, to_type);
+        let converters = interfaces.registry().converters(from_type, to_type);
+        let converters: Vec<_> = converters.iter().map(|spec| spec.id.to_string()).collect();
         let help = match converters.first() {
             Some(first) => format!("put a node between them, such as {first}"),
             None => format!("wire an output that gives a {to_type}"),
@@ -159,20 +166,6 @@ pub fn part(document: &Document, names: &[&str]) -> Document {
     part.outputs.clear();
     part.expose.retain(|_, exposed| kept.contains(exposed.param.node.as_str()));
     part
-}
-
-/// Ids of node types that turn one type into another with that input alone, the ones with fewest settings first.
-#[must_use]
-pub fn converters(registry: &Registry, from: ValueType, to: ValueType) -> Vec<String> {
-    let specs = registry.iter().map(|node_type| node_type.spec()).filter(|spec| {
-        let mut needed = spec.inputs.iter().filter(|input| input.arity == Arity::One);
-        needed.next().is_some_and(|input| input.value_type == from)
-            && needed.next().is_none()
-            && spec.outputs.iter().any(|output| output.value_type == to)
-    });
-    let mut specs: Vec<_> = specs.collect();
-    specs.sort_by_key(|spec| (spec.inputs.len() + spec.params.len(), spec.id.clone()));
-    specs.into_iter().map(|spec| spec.id.to_string()).collect()
 }
 
 /// Puts a node of a type between two ends whose types differ.
@@ -324,11 +317,18 @@ pub fn set_param(
 /// Makes a parameter one of the graph as a whole, by a name that it does not yet use.
 pub fn expose(document: &mut Document, param: Link) -> String {
     let taken = |name: &str| document.expose.contains_key(name);
-    let names = std::iter::once(param.port.clone())
-        .chain(std::iter::once(format!("{}_{}", param.node, param.port)))
-        .chain((2..).map(|n| format!("{}_{}_{n}", param.node, param.port)));
-    let name = names.into_iter().find(|name| !taken(name)).unwrap_or_default();
+    let name = match taken(&param.port) {
+        false => param.port.clone(),
+        true => free(&format!("{}_{}", param.node, param.port), taken),
+    };
     document.expose.insert(name.clone(), Exposed { param, ..Exposed::default() });
+    name
+}
+
+/// Makes an output one of the graph as a whole, by a name that it does not yet use.
+pub fn add_output(document: &mut Document, output: Link) -> String {
+    let name = free(&output.port, |name| document.outputs.contains_key(name));
+    document.outputs.insert(name.clone(), output);
     name
 }
 

@@ -11,7 +11,7 @@ use orograph_engine::{
 
 use crate::{
     Interfaces, Kind,
-    operations::{Refused, depends_on, free_name, remove},
+    operations::{Refused, depends_on, free, free_name, remove},
 };
 
 /// Folds `names` into a graph, which is given back and is to be saved as `path` in the document's folder before the
@@ -42,7 +42,7 @@ pub fn collapse(
             let input = match known {
                 Some(input) => input,
                 None => {
-                    let input = free_in(&inner.inputs, &link.port);
+                    let input = free(&link.port, |name| inner.inputs.contains_key(name));
                     let value_type = type_of(document, interfaces, link)?;
                     let doc = format!("As `{link}` of the graph around.");
                     inner.inputs.insert(input.clone(), GraphInput { value_type, doc });
@@ -62,7 +62,7 @@ pub fn collapse(
         if inside(&link.node) {
             let known =
                 inner.outputs.iter().find(|(_, output)| *output == link).map(|(name, _)| name.clone());
-            let output = known.unwrap_or_else(|| free_in(&inner.outputs, &link.port));
+            let output = known.unwrap_or_else(|| free(&link.port, |name| inner.outputs.contains_key(name)));
             inner.outputs.insert(output.clone(), link.clone());
             *link = Link::new(outer_name.clone(), output);
         }
@@ -114,11 +114,6 @@ fn type_of(document: &Document, interfaces: &mut Interfaces, link: &Link) -> Res
     })
 }
 
-fn free_in<T>(map: &IndexMap<String, T>, base: &str) -> String {
-    let names = std::iter::once(base.to_owned()).chain((2..).map(|n| format!("{base}_{n}")));
-    names.into_iter().find(|name| !map.contains_key(name)).unwrap_or_default()
-}
-
 /// Lays the graph that stands behind the node `name` out in its place, and gives the names of its nodes.
 ///
 /// # Errors
@@ -129,7 +124,8 @@ pub fn expand(
     name: &str,
 ) -> Result<Vec<String>, Refused> {
     let Some(node) = document.nodes.get(name).cloned() else { return Ok(Vec::new()) };
-    let Kind::Graph(inner) = interfaces.of(name, &node, document).kind else {
+    let interface = interfaces.of(name, &node, document);
+    let Kind::Graph(inner) = &interface.kind else {
         return Err(Refused::new(
             format!("`{name}` is no graph that can be read"),
             "choose a node that is one",
@@ -139,7 +135,7 @@ pub fn expand(
     if node.bypass {
         return Err(Refused::new(format!("`{name}` is bypassed"), "end the bypass first"));
     }
-    let mut inner = (*inner).clone();
+    let mut inner = (**inner).clone();
     for (param, value) in &node.params {
         let target = inner.expose.get(param).map(|exposed| exposed.param.clone());
         let Some(target) = target.filter(|target| inner.nodes.contains_key(&target.node)) else {

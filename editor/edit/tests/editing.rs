@@ -116,7 +116,7 @@ fn perform(
         }
         Step::Set(index, param, value) => {
             let (name, node) = nth(document, *index).ok_or_else(nothing)?;
-            let params = interfaces.of(&name, &node, document).params;
+            let params = interfaces.of(&name, &node, document).params.clone();
             let param = params.get(param % params.len().max(1)).ok_or_else(nothing)?;
             operations::set_param(document, &name, &param.name, Some(Literal::Integer(i64::from(*value))))?;
         }
@@ -139,13 +139,13 @@ fn perform(
         }
         Step::Expose(index, param) => {
             let (name, node) = nth(document, *index).ok_or_else(nothing)?;
-            let params = interfaces.of(&name, &node, document).params;
+            let params = interfaces.of(&name, &node, document).params.clone();
             let param = params.get(param % params.len().max(1)).ok_or_else(nothing)?;
             operations::expose(document, link(&format!("{name}.{}", param.name)));
         }
         Step::Output(index) => {
             let (name, node) = nth(document, *index).ok_or_else(nothing)?;
-            let outputs = interfaces.of(&name, &node, document).outputs;
+            let outputs = interfaces.of(&name, &node, document).outputs.clone();
             let output = outputs.first().ok_or_else(nothing)?;
             document.outputs.insert(format!("o{index}"), link(&format!("{name}.{}", output.name)));
         }

@@ -1,33 +1,30 @@
 //! The window: brings document, canvas, inspector and panes together.
 
 mod actions;
+mod asks;
 mod build_out;
 mod command;
 mod dialogs;
+mod files;
+mod follow;
+mod gestures;
 mod hear;
 mod help;
+mod menu;
 mod nodes;
 mod recovery;
 mod search;
 mod sketch;
 mod variations;
 
-use std::{
-    collections::HashMap,
-    path::{Path, PathBuf},
-    sync::Arc,
-};
+use std::{collections::HashMap, path::PathBuf, sync::Arc};
 
 use eframe::egui;
-use orograph_core::{Context, ValueType};
+use orograph_core::Context;
 use orograph_edit::{
-    Badge, Delta, Editing, Fault, Interfaces, Journal, OpenFile, Runner, Scene, Wish, operations,
-    operations::Refused,
+    Badge, Editing, Fault, Interfaces, Journal, OpenFile, Runner, Wish, operations, operations::Refused,
 };
-use orograph_engine::{
-    Document, Evaluator, Registry,
-    document::{GRAPH, Link},
-};
+use orograph_engine::{Document, Evaluator, Registry, document::Link};
 
 pub use command::Command;
 pub use dialogs::{Dialogs, Question};
@@ -37,7 +34,6 @@ use crate::{
     inspector::Inspector,
     views::{Pane, Tool},
 };
-use command::{ENTRIES, Menu};
 use search::Search;
 
 /// What the editor begins with.
@@ -66,7 +62,6 @@ pub struct App {
     file: Option<OpenFile>,
     runner: Runner,
     journal: Option<Journal>,
-    recoveries: Option<PathBuf>,
     out: PathBuf,
     canvas: Canvas,
     inspector: Inspector,
@@ -99,6 +94,8 @@ pub struct App {
     watch: recovery::Watch,
     title: Option<(usize, String)>,
     quit: bool,
+    /// What the window is called now.
+    called: String,
 }
 
 /// Something that is told at the foot of the window.
@@ -123,7 +120,6 @@ impl App {
             file: None,
             runner,
             journal: None,
-            recoveries: None,
             out,
             canvas: Canvas::default(),
             inspector: Inspector::default(),
@@ -155,6 +151,7 @@ impl App {
             watch: recovery::Watch::default(),
             title: None,
             quit: false,
+            called: String::new(),
             registry,
         };
         app.look_for_recoveries(recoveries);
@@ -222,86 +219,6 @@ impl App {
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.graph(ui));
         self.floating(&ctx);
         self.catch_up(&ctx);
-    }
-
-    fn menu(&mut self, ui: &mut egui::Ui) {
-        let mut chosen = None;
-        egui::MenuBar::new().ui(ui, |ui| {
-            for (menu, title) in Menu::ALL {
-                ui.menu_button(title, |ui| {
-                    for entry in ENTRIES.iter().filter(|entry| entry.menu == menu && !entry.label.is_empty())
-                    {
-                        let mut button = egui::Button::new(self.label(entry.command, entry.label));
-                        if let Some(key) = entry.shortcut() {
-                            button = button.shortcut_text(ui.ctx().format_shortcut(&key));
-                        }
-                        if ui.add_enabled(self.can(entry.command), button).clicked() {
-                            chosen = Some(entry.command);
-                        }
-                    }
-                });
-            }
-            ui.separator();
-            if ui.button("Build").on_hover_text("Write every file, as `orograph run` does").clicked() {
-                chosen = Some(Command::Build);
-            }
-            ui.label("preview");
-            let text = |cells: Option<u32>| {
-                cells.map_or_else(|| "full".to_owned(), |cells| format!("{cells} cells"))
-            };
-            egui::ComboBox::from_id_salt("resolution").selected_text(text(self.context.resolution)).show_ui(
-                ui,
-                |ui| {
-                    for cells in [Some(128), Some(256), Some(512), Some(1024), Some(2048), None] {
-                        ui.selectable_value(&mut self.context.resolution, cells, text(cells));
-                    }
-                },
-            );
-            ui.label("seed");
-            ui.add(egui::DragValue::new(&mut self.context.seed));
-        });
-        if let Some(command) = chosen {
-            self.command(ui.ctx(), command);
-        }
-    }
-
-    fn label(&self, command: Command, label: &'static str) -> String {
-        let what = match command {
-            Command::Undo => self.editing.undo_label(),
-            Command::Redo => self.editing.redo_label(),
-            _ => None,
-        };
-        what.map_or_else(|| label.to_owned(), |what| format!("{label}: {what}"))
-    }
-
-    fn status(&mut self, ui: &mut egui::Ui) {
-        ui.horizontal(|ui| {
-            if let Some(done) = self.building {
-                ui.add(egui::ProgressBar::new(done as f32).desired_width(140.0).text("building"));
-            }
-            if let Some(done) = self.progress {
-                ui.add(egui::ProgressBar::new(done as f32).desired_width(140.0).text("preview"));
-            }
-            if (self.building.is_some() || self.progress.is_some()) && ui.small_button("stop").clicked() {
-                self.runner.stop();
-            }
-            let n = self.faults.len();
-            if n > 0 {
-                let words =
-                    self.faults.iter().map(|fault| fault.message.as_str()).collect::<Vec<_>>().join("\n");
-                let text = if n == 1 { "1 problem".to_owned() } else { format!("{n} problems") };
-                ui.colored_label(crate::theme::FAULT, text).on_hover_text(words);
-            }
-            let mut gone = false;
-            if let Some(note) = self.notes.last() {
-                let colour = if note.bad { crate::theme::FAULT } else { ui.visuals().text_color() };
-                ui.colored_label(colour, &note.text);
-                gone = ui.small_button("×").clicked();
-            }
-            if gone {
-                self.notes.pop();
-            }
-        });
     }
 
     fn views(&mut self, ui: &mut egui::Ui) {
@@ -385,100 +302,8 @@ impl App {
         self.dialog_answers(ctx);
     }
 
-    /// After a frame: what changed is kept, and computed.
-    fn catch_up(&mut self, ctx: &egui::Context) {
-        self.follow_selection();
-        let document = self.editing.document().clone();
-        if self.kept != self.editing.state() {
-            self.kept = self.editing.state();
-            if let Some(journal) = &self.journal {
-                match self.editing.is_dirty() {
-                    true => journal.keep(self.file.as_ref().map(OpenFile::path), document.clone()),
-                    false => journal.forget(),
-                }
-            }
-        }
-        let wishes = self.wishes(&document);
-        let same = self.asked.as_ref().is_some_and(|(before, asked, context)| {
-            let alike =
-                Arc::ptr_eq(before, &document) || !Delta::between(before, &document).changes_results();
-            alike && *asked == wishes && *context == self.context
-        });
-        if !same {
-            self.asked = Some((document.clone(), wishes.clone(), self.context));
-            self.progress = Some(0.0);
-            self.runner.show(Scene { document, folder: self.folder(), context: self.context }, wishes);
-        }
-        let name =
-            self.file.as_ref().map_or_else(|| "new graph".into(), |file| file.path().display().to_string());
-        let mark = if self.editing.is_dirty() { "*" } else { "" };
-        ctx.send_viewport_cmd(egui::ViewportCommand::Title(format!("{mark}{name} — Orograph")));
-        if self.quit {
-            ctx.send_viewport_cmd(egui::ViewportCommand::Close);
-        }
-    }
-
     fn folder(&self) -> PathBuf {
         self.interfaces.folder().to_owned()
-    }
-
-    /// Panes that are not pinned show what the last selected node gives.
-    fn follow_selection(&mut self) {
-        let Some(name) = self.canvas.selection.last().cloned() else { return };
-        let output = self.output_to_show(&name);
-        for pane in self.panes.iter_mut().filter(|pane| pane.pinned.is_none()) {
-            if pane.output != output {
-                pane.output.clone_from(&output);
-                pane.clear();
-            }
-        }
-    }
-
-    /// What to look at of a node: its first output, or of one that gives nothing, what it is given.
-    fn output_to_show(&mut self, name: &str) -> Option<Link> {
-        let document = self.editing.document().clone();
-        let node = document.nodes.get(name)?;
-        let interface = self.interfaces.of(name, node, &document);
-        match interface.outputs.first() {
-            Some(output) => Some(Link::new(name, &output.name)),
-            None => node.inputs.values().flatten().next().filter(|link| link.node != GRAPH).cloned(),
-        }
-    }
-
-    fn type_of(&mut self, output: &Link) -> Option<ValueType> {
-        let document = self.editing.document().clone();
-        let node = document.nodes.get(&output.node)?;
-        self.interfaces.of(&output.node, node, &document).output(&output.port)?.value_type
-    }
-
-    /// What the panes want, then the grid of variations, then a picture for every node.
-    fn wishes(&mut self, document: &Document) -> Vec<Wish> {
-        let mut wishes = Vec::new();
-        for index in 0..self.panes.len() {
-            let value_type = self.panes[index].output.clone().and_then(|output| self.type_of(&output));
-            wishes.extend(self.panes[index].wish(&self.registry, value_type));
-        }
-        wishes.extend(self.variations.iter().flat_map(variations::Variations::wishes));
-        if self.thumbnails {
-            for (name, node) in &document.nodes {
-                let interface = self.interfaces.of(name, node, document);
-                let Some(output) = interface.outputs.first() else { continue };
-                let Some(value_type) = output.value_type else { continue };
-                let look = orograph_edit::looks::of(&self.registry, value_type)
-                    .first()
-                    .map(|spec| spec.id.to_string());
-                if look.is_some() || value_type == ValueType::Texture {
-                    let output = Link::new(name, &output.name);
-                    wishes.push(Wish {
-                        name: nodes::picture_name(name),
-                        output,
-                        look,
-                        overrides: Vec::new(),
-                    });
-                }
-            }
-        }
-        wishes
     }
 
     fn tell(&mut self, text: impl Into<String>) {
@@ -487,52 +312,6 @@ impl App {
 
     fn complain(&mut self, text: impl Into<String>) {
         self.notes.push(Note { text: text.into(), bad: true });
-    }
-
-    /// Opens a graph file in place of what is open.
-    pub fn open(&mut self, path: &Path) {
-        match OpenFile::open(path) {
-            Ok((file, document)) => {
-                if document.has_inner_comments() {
-                    self.complain("Comments inside the graph are lost when it is saved from here");
-                }
-                self.replace(Some(file), document);
-            }
-            Err(errors) => self.complain(errors.to_string()),
-        }
-    }
-
-    fn replace(&mut self, file: Option<OpenFile>, document: Document) {
-        let folder =
-            file.as_ref().and_then(|file| file.path().parent()).map(Path::to_owned).unwrap_or_default();
-        self.interfaces = Interfaces::new(self.registry.clone(), folder);
-        self.editing = Editing::new(document);
-        self.file = file;
-        self.kept = self.editing.state();
-        self.drawn_state = u64::MAX;
-        self.canvas = Canvas::default();
-        self.canvas.fit();
-        self.inspector = Inspector::default();
-        self.badges.clear();
-        self.pictures.clear();
-        self.asked = None;
-        self.variations = None;
-        for pane in &mut self.panes {
-            (pane.pinned, pane.output) = (None, None);
-            pane.clear();
-        }
-        // Something to look at: what the graph writes, or its last node.
-        let document = self.editing.document().clone();
-        let last = document.outputs.values().next().map(|link| link.node.clone()).or_else(|| {
-            let is_input = |name: &str| {
-                document
-                    .nodes
-                    .values()
-                    .any(|node| node.inputs.values().flatten().any(|link| link.node == name))
-            };
-            document.nodes.keys().rev().find(|name| !is_input(name)).cloned()
-        });
-        self.canvas.select(last);
     }
 
     /// Makes an edit and says why it was not made.
@@ -545,7 +324,7 @@ impl App {
         match self.editing.edit(label, |document| edit(document, interfaces)) {
             Ok(value) => Some(value),
             Err(refused) => {
-                self.complain(format!("{refused}: {}", refused.help));
+                self.complain(refused.to_string());
                 None
             }
         }

@@ -44,7 +44,6 @@ impl App {
             Ok(journal) => self.journal = Some(journal),
             Err(error) => self.complain(format!("Unsaved work is not kept: {error}")),
         }
-        self.recoveries = Some(folder);
     }
 
     pub(super) fn recovery_ui(&mut self, ctx: &egui::Context) {

@@ -68,7 +68,7 @@ impl App {
                         self.set(&drawable.link, &ParamValue::Lines(lines));
                         self.editing.end_gesture();
                     }
-                    Err(refused) => self.complain(format!("{refused}: {}", refused.help)),
+                    Err(refused) => self.complain(refused.to_string()),
                 }
             }
             Asked::Erase(at, reach) => {

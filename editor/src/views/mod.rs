@@ -98,12 +98,11 @@ impl Pane {
 
     fn look(&self, registry: &Registry, value_type: ValueType) -> Option<String> {
         let looks = looks::of(registry, value_type);
-        let first = looks.first().map(|spec| spec.id.to_string());
         match &self.mode {
             Mode::Look(id) | Mode::Ground(Some(id)) if looks.iter().any(|spec| *spec.id == **id) => {
                 Some(id.clone())
             }
-            _ => first,
+            _ => looks.first().map(|spec| spec.id.to_string()),
         }
     }
 

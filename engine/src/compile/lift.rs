@@ -1,5 +1,6 @@
 //! Single settings and nodes, typed as a compilation would: for inspectors.
 
+use indexmap::IndexMap;
 use orograph_core::{Error, NodeType, ParamSpec, ParamValue, RawParams};
 
 use super::typed::{Given, Refused, typed, untyped};
@@ -24,21 +25,22 @@ pub fn lifted(node: &Node, node_type: &NodeType) -> orograph_core::Result<Node> 
     if version >= current {
         return Ok(node.clone());
     }
+    let given = node.params.iter().map(|(param, literal)| (param, Given::Literal(literal.clone())));
+    let given: IndexMap<_, _> = given.collect();
     let mut raw = RawParams::default();
-    for (param, literal) in &node.params {
-        let value = untyped(&Given::Literal(literal.clone())).ok_or_else(|| {
+    for (param, given) in &given {
+        let value = untyped(given).ok_or_else(|| {
             Error::invalid(format!("`{param}` has a value that no parameter takes"), "take that setting away")
         })?;
         raw.set(param, value);
     }
     node_type.upgrade(&mut raw, version)?;
     let lifted = |(param, value): (String, ParamValue)| {
-        let before = node
-            .params
-            .get(&param)
-            .filter(|literal| untyped(&Given::Literal((*literal).clone())).as_ref() == Some(&value));
-        // What kept name and value keeps its own text, too.
-        let literal = before.cloned().unwrap_or_else(|| Literal::from(&value));
+        let literal = match Given::after_upgrade(given.get(&param), value) {
+            Given::Literal(literal) => literal,
+            Given::Lifted(value) => Literal::from(&value),
+            Given::Bare(text) => Literal::Text(text),
+        };
         (param, literal)
     };
     let body = Body::Type { id: id.clone(), version: Some(current) };

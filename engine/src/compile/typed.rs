@@ -16,6 +16,15 @@ pub(super) enum Given {
     Lifted(ParamValue),
 }
 
+impl Given {
+    /// The value that a node's upgrade gave: what kept name and value keeps its own text too, so that integers stay
+    /// integers.
+    pub(super) fn after_upgrade(before: Option<&Self>, value: ParamValue) -> Self {
+        let kept = before.filter(|given| untyped(given).as_ref() == Some(&value));
+        kept.cloned().unwrap_or(Self::Lifted(value))
+    }
+}
+
 /// A message and what would mend it.
 pub type Refused = (String, Option<String>);
 

@@ -245,11 +245,7 @@ impl Compiler<'_> {
         }
         let lifted = raw.0.into_iter().map(|(param, value)| {
             let before = given.get(&param);
-            // What kept name and value keeps its own text too, so that integers stay integers.
-            let given = match before {
-                Some(setting) if untyped(&setting.given).as_ref() == Some(&value) => setting.given.clone(),
-                _ => Given::Lifted(value),
-            };
+            let given = Given::after_upgrade(before.map(|setting| &setting.given), value);
             let origin = before.map_or_else(
                 || Origin::File { scope, node: name.to_owned(), param: param.clone() },
                 |setting| setting.origin.clone(),

@@ -149,13 +149,8 @@ impl Compiler<'_> {
 
     /// Names the node types that turn the one type into the other.
     fn converter(&self, from: ValueType, to: ValueType) -> String {
-        let converts = self.registry.iter().map(|node_type| node_type.spec()).filter(|spec| {
-            let mut needed = spec.inputs.iter().filter(|input| input.arity == Arity::One);
-            needed.next().is_some_and(|input| input.value_type == from)
-                && needed.next().is_none()
-                && spec.outputs.iter().any(|output| output.value_type == to)
-        });
-        let ids: Vec<_> = converts.map(|spec| spec.id.to_string()).take(3).collect();
+        let converters = self.registry.converters(from, to);
+        let ids: Vec<_> = converters.iter().take(3).map(|spec| spec.id.to_string()).collect();
         match ids.is_empty() {
             true => format!("link an output that gives a {to}"),
             false => format!("put a node between them that makes a {to} of a {from}, such as {}", list(&ids)),
