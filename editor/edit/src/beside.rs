@@ -22,17 +22,6 @@ pub enum Beside {
     Over(Vec<Link>),
 }
 
-impl Beside {
-    /// The outputs.
-    pub(crate) fn links(&self) -> &[Link] {
-        match self {
-            Self::Nothing => &[],
-            Self::Against(link) => std::slice::from_ref(link),
-            Self::Over(links) => links,
-        }
-    }
-}
-
 /// More terrains than these are not tried.
 const MOST: usize = 4;
 
@@ -84,8 +73,8 @@ fn type_of(document: &Document, interfaces: &mut Interfaces, link: &Link) -> Opt
 /// The terrains that a node gives.
 fn siblings(document: &Document, interfaces: &mut Interfaces, name: &str) -> Vec<Link> {
     let Some(node) = document.nodes.get(name) else { return Vec::new() };
-    let outputs = interfaces.of(name, node, document).outputs;
-    let terrains = outputs.iter().filter(|port| port.value_type == Some(ValueType::Heightfield));
+    let interface = interfaces.of(name, node, document);
+    let terrains = interface.outputs.iter().filter(|port| port.value_type == Some(ValueType::Heightfield));
     terrains.map(|port| Link::new(name, &port.name)).collect()
 }
 

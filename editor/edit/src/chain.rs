@@ -53,8 +53,7 @@ impl<'a> Chain<'a> {
         if shares {
             for terrain in &mut terrains {
                 // A share of one is a metre high, so that metres are shares.
-                let levels =
-                    [("low", ParamValue::Number(0.0)), ("high", ParamValue::Number(1.0))];
+                let levels = [("low", ParamValue::Number(0.0)), ("high", ParamValue::Number(1.0))];
                 let node = self.add(TO_HEIGHT, &levels)?;
                 self.wire(*terrain, node, TO_HEIGHT, 0)?;
                 *terrain = OutputRef { node, output: 0 };

@@ -13,12 +13,7 @@ use crate::{
 };
 
 impl Round {
-    pub(super) fn meet(
-        &self,
-        wish: &Wish,
-        compiled: &Compiled,
-        scene: &Scene,
-    ) -> Result<Shown, Vec<Fault>> {
+    pub(super) fn meet(&self, wish: &Wish, compiled: &Compiled, scene: &Scene) -> Result<Shown, Vec<Fault>> {
         let output = find(compiled, &wish.output)?;
         let shown = match &wish.beside {
             Beside::Nothing => self.alone(wish, compiled, output, scene)?,

@@ -1,0 +1,145 @@
+//! What of a table is drawn in a plot: columns of numbers over another, in runs without gaps.
+
+use orograph_core::{Cells, Column, Table};
+
+/// Columns with numbers in them.
+pub(super) fn number_columns(table: &Table) -> impl Iterator<Item = (&Column, &[f64])> {
+    table.columns().iter().filter_map(|column| match &column.cells {
+        Cells::Numbers(numbers) => Some((column, numbers.as_slice())),
+        Cells::Texts(_) => None,
+    })
+}
+
+/// What a plot is of.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Choice {
+    /// Columns that are not drawn.
+    pub(super) hidden: Vec<String>,
+    /// Over the number of the row and not over the first column of numbers.
+    pub(super) over_rows: bool,
+    /// Logarithmic axes.
+    pub(super) log: [bool; 2],
+}
+
+/// A column that is drawn.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Series {
+    pub(super) name: String,
+    pub(super) unit: &'static str,
+    /// Places in the plot, of a logarithmic axis the logarithms; a number that is none ends a run.
+    pub(super) runs: Vec<Vec<[f64; 2]>>,
+}
+
+/// The column that others are drawn over; none for the number of the row.
+pub(super) fn base<'a>(table: &'a Table, choice: &Choice) -> Option<(&'a Column, &'a [f64])> {
+    let several = number_columns(table).nth(1).is_some();
+    number_columns(table).next().filter(|_| several && !choice.over_rows)
+}
+
+/// Columns that can be drawn.
+pub(super) fn offered<'a>(table: &'a Table, choice: &Choice) -> Vec<&'a str> {
+    let under = base(table, choice).map(|(column, _)| column.name.as_str());
+    let columns = number_columns(table).map(|(column, _)| column.name.as_str());
+    columns.filter(|name| Some(*name) != under).collect()
+}
+
+/// The columns that are chosen, as they are drawn.
+pub(super) fn series(table: &Table, choice: &Choice) -> Vec<Series> {
+    let under = base(table, choice);
+    let axis = |number: f64, axis: usize| match choice.log[axis] {
+        true if number > 0.0 => libm::log10(number),
+        true => f64::NAN,
+        false => number,
+    };
+    let drawn = offered(table, choice);
+    let drawn = drawn.iter().filter(|name| !choice.hidden.iter().any(|hidden| hidden == *name));
+    let columns = drawn.filter_map(|name| number_columns(table).find(|(column, _)| column.name == **name));
+    let draw = |(column, numbers): (&Column, &[f64])| {
+        let mut runs: Vec<Vec<[f64; 2]>> = vec![Vec::new()];
+        for (row, number) in numbers.iter().enumerate() {
+            let x = under.map_or((row + 1) as f64, |(_, xs)| xs.get(row).copied().unwrap_or(f64::NAN));
+            let place = [axis(x, 0), axis(*number, 1)];
+            let known = place.iter().all(|number| number.is_finite());
+            match runs.last_mut() {
+                Some(run) if known => run.push(place),
+                Some(run) if !run.is_empty() => runs.push(Vec::new()),
+                _ => {}
+            }
+        }
+        runs.retain(|run| !run.is_empty());
+        Series { name: column.name.clone(), unit: column.unit.symbol(), runs }
+    };
+    columns.map(draw).collect()
+}
+
+/// A column's name and unit, as people read them.
+pub(super) fn title(name: &str, unit: &str) -> String {
+    let name = name.replace('_', " ");
+    if unit == "1" || unit.is_empty() { name } else { format!("{name} ({unit})") }
+}
+
+/// What stands along the vertical axis: the one column, or the unit that all have.
+pub(super) fn vertical_title(series: &[Series]) -> String {
+    match series {
+        [] => String::new(),
+        [only] => title(&only.name, only.unit),
+        [first, rest @ ..] => match rest.iter().all(|other| other.unit == first.unit) {
+            true if first.unit == "1" => String::new(),
+            true => first.unit.to_owned(),
+            false => "units differ, see the names".to_owned(),
+        },
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use orograph_core::Unit;
+
+    use super::*;
+
+    fn table() -> Table {
+        let column = |name: &str, unit, cells| Column { name: name.into(), unit, cells };
+        Table::new(vec![
+            column("name", Unit::One, Cells::Texts(vec!["a".into(), "b".into(), "c".into(), "d".into()])),
+            column("lag", Unit::Metre, Cells::Numbers(vec![1.0, 10.0, 100.0, 1000.0])),
+            column("sill", Unit::Metre, Cells::Numbers(vec![5.0, f64::NAN, 0.0, 7.0])),
+            column("pairs", Unit::One, Cells::Numbers(vec![1.0, 2.0, 3.0, 4.0])),
+        ])
+        .unwrap()
+    }
+
+    #[test]
+    fn a_void_cell_interrupts_its_line() {
+        let drawn = series(&table(), &Choice::default());
+        let names: Vec<_> = drawn.iter().map(|series| series.name.as_str()).collect();
+        assert_eq!(names, ["sill", "pairs"]);
+        assert_eq!(drawn[0].runs, [vec![[1.0, 5.0]], vec![[100.0, 0.0], [1000.0, 7.0]]]);
+    }
+
+    #[test]
+    fn logarithms_leave_out_what_has_none() {
+        let choice = Choice { log: [true, true], hidden: vec!["pairs".into()], ..Choice::default() };
+        let drawn = series(&table(), &choice);
+        assert_eq!(drawn.len(), 1);
+        assert_eq!(drawn[0].runs, [vec![[0.0, libm::log10(5.0)]], vec![[3.0, libm::log10(7.0)]]]);
+    }
+
+    #[test]
+    fn over_rows_the_first_column_is_drawn_as_well() {
+        let choice = Choice { over_rows: true, ..Choice::default() };
+        assert_eq!(offered(&table(), &choice), ["lag", "sill", "pairs"]);
+        assert_eq!(series(&table(), &choice)[0].runs[0][3], [4.0, 1000.0]);
+        assert_eq!(offered(&table(), &Choice::default()), ["sill", "pairs"]);
+    }
+
+    #[test]
+    fn axes_say_names_and_units() {
+        let drawn = series(&table(), &Choice::default());
+        assert_eq!(title("lag", "m"), "lag (m)");
+        assert_eq!(title("share_above", "%"), "share above (%)");
+        assert_eq!(vertical_title(&drawn[..1]), "sill (m)");
+        assert_eq!(vertical_title(&drawn), "units differ, see the names");
+    }
+}
