@@ -77,27 +77,50 @@ pub(super) struct Camera {
     scale: f32,
 }
 
+/// What is to be seen: how far it reaches from the middle, on the level, down and up.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Bounds {
+    pub(super) level: f32,
+    pub(super) low: f32,
+    pub(super) high: f32,
+}
+
+impl Bounds {
+    /// How far the furthest place is from the middle.
+    fn radius(&self) -> f32 {
+        libm::hypotf(self.level, self.high.max(-self.low))
+    }
+}
+
 impl Camera {
-    /// An eye far enough away to see all of what lies within `radius` of the middle.
-    pub(super) fn new(stand: &Stand, rect: Rect, radius: f32) -> Self {
+    /// An eye far enough away to see all of what lies within the bounds, from whatever side.
+    pub(super) fn new(stand: &Stand, rect: Rect, bounds: Bounds) -> Self {
         /// How far away, in radii: less bends the picture, more flattens it.
         const AWAY: f32 = 2.8;
+        /// How much of the view it fills.
+        const FILLED: f32 = 0.94;
         let from = direction(stand.azimuth, stand.tilt);
         let ahead = -from;
         // y runs south, so the axes are left-handed, and so is this product.
         let right = Vec3::Z.cross(ahead).normalize_or(Vec3::X);
         let up = ahead.cross(right);
-        let radius = radius.max(1.0);
-        let Vec2 { x, y } = rect.size();
-        Self {
-            eye: from * AWAY * radius,
-            right,
-            up,
-            ahead,
-            centre: rect.center() + stand.shift * rect.size(),
-            // As wide as the view allows; less high than wide ground needs less.
-            scale: x.min(y * 1.4) * 1.2 * stand.zoom,
-        }
+        let distance = AWAY * bounds.radius().max(1.0);
+        // The highest and the lowest place seen of a cylinder around the middle: the same from every side.
+        let (sin, cos) = (libm::sinf(stand.tilt.to_radians()), libm::cosf(stand.tilt.to_radians()));
+        let seen = |near: f32, z: f32| (z * cos - near * sin) / (distance - near * cos - z * sin);
+        let edges =
+            [-bounds.level, bounds.level].map(|near| [seen(near, bounds.low), seen(near, bounds.high)]);
+        let edges = edges.as_flattened();
+        let lowest = edges.iter().copied().fold(f32::INFINITY, f32::min);
+        let highest = edges.iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        // Its sides are seen widest where they are nearest.
+        let (across, away) = (bounds.level, distance - bounds.high.max(0.0) * sin);
+        let half = across / libm::sqrtf((away * away - across * across).max(1e-6));
+        let scale = FILLED * (rect.width() / (2.0 * half)).min(rect.height() / (highest - lowest).max(1e-6));
+        let scale = scale * stand.zoom;
+        let lift = vec2(0.0, f32::midpoint(lowest, highest) * scale);
+        let centre = rect.center() + stand.shift * rect.size() + lift;
+        Self { eye: from * distance, right, up, ahead, centre, scale }
     }
 
     /// Where a place in the world is seen.
@@ -114,9 +137,14 @@ mod tests {
     use super::*;
     use eframe::egui::pos2;
 
+    const BOUNDS: Bounds = Bounds { level: 1.5, low: -0.2, high: 0.2 };
+
+    fn window() -> Rect {
+        Rect::from_min_size(pos2(0.0, 0.0), vec2(100.0, 100.0))
+    }
+
     fn from(azimuth: f32, tilt: f32) -> Camera {
-        let rect = Rect::from_min_size(pos2(0.0, 0.0), vec2(100.0, 100.0));
-        Camera::new(&Stand { azimuth, tilt, ..Stand::default() }, rect, 1.5)
+        Camera::new(&Stand { azimuth, tilt, ..Stand::default() }, window(), BOUNDS)
     }
 
     #[test]
@@ -138,17 +166,38 @@ mod tests {
         assert!(east.place(-Vec3::Y).x > east.place(Vec3::ZERO).x);
         assert!(west.place(-Vec3::Y).x < west.place(Vec3::ZERO).x);
         for camera in [&north, &east, &west] {
-            assert_eq!(camera.place(Vec3::ZERO), pos2(50.0, 50.0));
+            assert!((camera.place(Vec3::ZERO) - north.place(Vec3::ZERO)).length() < 1e-3);
         }
     }
 
     #[test]
-    fn a_place_is_seen_where_a_pinhole_would_show_it() {
+    fn places_are_seen_in_the_proportions_of_a_pinhole() {
         let camera = from(180.0, 89.999);
-        // From straight above, at 2.8 × 1.5 from the middle, a length is seen in the proportion of distances.
-        let at = camera.place(Vec3::new(0.5, 0.0, 0.0));
-        assert!((at.x - (50.0 + 0.5 / 4.2 * 120.0)).abs() < 1e-2, "{at}");
-        let higher = camera.place(Vec3::new(0.5, 0.0, 1.0));
-        assert!((higher.x - (50.0 + 0.5 / 3.2 * 120.0)).abs() < 1e-2, "{higher}");
+        let distance = 2.8 * libm::hypotf(1.5, 0.2);
+        let off = |z: f32| camera.place(Vec3::new(0.5, 0.0, z)).x - 50.0;
+        assert!((off(1.0) / off(0.0) - distance / (distance - 1.0)).abs() < 1e-4);
+    }
+
+    #[test]
+    fn all_of_it_is_in_view_from_everywhere_and_fills_it() {
+        for shape in [vec2(100.0, 100.0), vec2(900.0, 200.0), vec2(100.0, 700.0)] {
+            let rect = Rect::from_min_size(pos2(30.0, 40.0), shape);
+            for bounds in [BOUNDS, Bounds { level: 1.2, low: -9.0, high: 9.0 }] {
+                for tilt in [5.0f32, 35.0, 60.0, 89.0] {
+                    let mut seen = Rect::NOTHING;
+                    for turn in 0..36u8 {
+                        let stand = Stand { azimuth: f32::from(turn) * 10.0, tilt, ..Stand::default() };
+                        let camera = Camera::new(&stand, rect, bounds);
+                        for z in [bounds.low, bounds.high] {
+                            let pos = camera.place(Vec3::new(bounds.level, 0.0, z));
+                            assert!(rect.contains(pos), "{pos} at {tilt}° in {rect}");
+                            seen.extend_with(pos);
+                        }
+                    }
+                    let filled = (seen.width() / rect.width()).max(seen.height() / rect.height());
+                    assert!(filled > 0.85, "{filled} at {tilt}° in {rect}");
+                }
+            }
+        }
     }
 }

@@ -45,7 +45,7 @@ impl Lines {
     /// The lines as they are seen.
     pub(super) fn mesh(&self, relief: &Relief, stand: &Stand, rect: Rect) -> Mesh {
         let exaggeration = stand.exaggeration;
-        let camera = Camera::new(stand, rect, relief.radius(exaggeration));
+        let camera = Camera::new(stand, rect, relief.bounds(exaggeration));
         let mut mesh = Mesh::default();
         for line in &self.lines {
             let mut before: Option<Pos2> = None;

@@ -12,8 +12,6 @@ use super::{
 const SHADE: f32 = 0.4;
 /// Of the light on walls, so that they do not look like ground.
 const WALL: f32 = 0.55;
-/// How far below the lowest ground the walls reach.
-const FOOT: f32 = 0.06;
 
 /// The net as it is seen, with a picture of the terrain laid on it where there is one.
 pub(super) fn mesh(
@@ -24,7 +22,7 @@ pub(super) fn mesh(
     texture: Option<TextureId>,
 ) -> Mesh {
     let exaggeration = stand.exaggeration;
-    let camera = Camera::new(stand, rect, relief.radius(exaggeration));
+    let camera = Camera::new(stand, rect, relief.bounds(exaggeration));
     let sun = stand.sun_direction();
     let (rows, cols) = (relief.rows(), relief.cols());
     let mut mesh = texture.map_or_else(Mesh::default, Mesh::with_texture);
@@ -70,7 +68,7 @@ fn walls(
 ) {
     let (rows, cols) = (relief.rows(), relief.cols());
     let (east, south) = (relief.xs[cols - 1], relief.ys[rows - 1]);
-    let foot = -relief.top(stand.exaggeration) - FOOT;
+    let foot = relief.bounds(stand.exaggeration).low;
     let sun = stand.sun_direction();
     let along_row = |row: usize| (0..cols).map(|col| (row, col)).collect::<Vec<_>>();
     let along_col = |col: usize| (0..rows).map(|row| (row, col)).collect::<Vec<_>>();
@@ -177,7 +175,7 @@ mod tests {
                 let mesh = drawn(&relief, f32::from(azimuth) * 10.0);
                 assert!(mesh.is_valid());
                 assert!(mesh.vertices.iter().all(|vertex| vertex.pos.is_finite()));
-                let inside = Rect::from_min_size(pos2(-200.0, -200.0), vec2(800.0, 700.0));
+                let inside = Rect::from_min_size(pos2(0.0, 0.0), vec2(400.0, 300.0));
                 let seen = mesh.indices.iter().map(|i| mesh.vertices[*i as usize].pos);
                 assert!(seen.into_iter().all(|pos| inside.contains(pos)));
             }

@@ -3,11 +3,16 @@
 use glam::Vec3;
 use orograph_core::Heightfield;
 
+use super::camera::Bounds;
+
 /// Most rows and columns that are drawn; more would cost more than a frame has.
 const MOST: usize = 257;
 
 /// Relief that is higher than the ground is wide is squeezed to this share of that.
 const HIGHEST: f64 = 1.0;
+
+/// How far below the lowest ground the walls reach.
+pub(super) const FOOT: f32 = 0.06;
 
 /// A net over terrain: x to the east, y to the south, the larger side 2 long, the middle at 0.
 pub(super) struct Relief {
@@ -100,10 +105,11 @@ impl Relief {
         self.half * exaggeration
     }
 
-    /// How far the furthest corner is from the middle.
-    pub(super) fn radius(&self, exaggeration: f32) -> f32 {
+    /// How far it reaches, and the walls below it.
+    pub(super) fn bounds(&self, exaggeration: f32) -> Bounds {
         let [y, x] = self.extent;
-        Vec3::new(x as f32, y as f32, self.half * exaggeration).length()
+        let high = self.top(exaggeration);
+        Bounds { level: libm::hypot(x, y) as f32, low: -high - FOOT, high }
     }
 
     /// x and y of a fractional (row, column) of the terrain.
@@ -238,7 +244,7 @@ pub(super) mod tests {
             terrain(3, 3, |row, col| if row == col { f32::NAN } else { 1e9 }),
         ] {
             let relief = Relief::new(&field).unwrap();
-            assert!(relief.radius(1.0) < 3.0 && relief.squeezed >= 1.0);
+            assert!(relief.bounds(1.0).high <= 1.0 && relief.squeezed >= 1.0);
             assert!((0..9).all(|i| !relief.z(i / 3, i % 3).is_infinite()));
             assert!(relief.normals(10.0).iter().all(|normal| normal.is_finite()));
         }
