@@ -188,7 +188,8 @@ fn lines_are_told_with_the_ground_that_they_were_drawn_on() {
     button(&mut editor, "3D");
     assert!(editor.query_by_label("ground view").is_some());
     select(&mut editor, "high");
-    assert!(editor.query_by_label("ground view").is_none(), "a mask has no heights");
+    assert!(editor.query_by_label("ground view").is_some(), "so does a mask");
+    button(&mut editor, "2D");
     let middle = rect(&editor, "picture view").center();
     let told = under(&mut editor, middle, "row ");
     assert!(told.contains("at 1"), "{told}");
@@ -242,9 +243,11 @@ fn a_table_is_read_or_plotted_and_so_is_another_output_of_its_node() {
     check(&mut editor, "log y");
     check(&mut editor, "over rows");
     assert!(plot(&editor).ends_with(" over row"), "{}", plot(&editor));
-    assert!(plot(&editor).contains("slope (deg), "), "the first column is drawn as well");
+    assert!(!plot(&editor).contains("slope (deg)"), "degrees are not drawn over percents unasked");
+    button(&mut editor, "columns");
     check(&mut editor, "slope");
-    assert!(!plot(&editor).contains("slope (deg)"));
+    press(&mut editor, NONE, Key::Escape);
+    assert!(plot(&editor).contains("slope (deg), "), "{}", plot(&editor));
     button(&mut editor, "table");
     assert!(editor.query_by_label_contains("plot view: ").is_none());
 }

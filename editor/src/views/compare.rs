@@ -53,8 +53,7 @@ impl Compare {
         let other = |index: usize| others.iter().enumerate().find(|(i, _)| *i != index)?.1.clone();
         let size = vec2(ui.available_width() / panes.len().max(1) as f32 - 6.0, ui.available_height());
         let wipes = self.wipe && panes.len() == 2;
-        let outer = ui.available_rect_before_wrap();
-        let column = ui.horizontal_top(|ui| {
+        ui.horizontal_top(|ui| {
             for (index, (pane, offer)) in panes.iter_mut().zip(offers).enumerate() {
                 let other = other(index);
                 let size = if wipes { vec2(size.x, ui.spacing().interact_size.y) } else { size };
@@ -70,11 +69,7 @@ impl Compare {
             }
         });
         match panes {
-            [left, right] if wipes => {
-                let top = column.response.rect.bottom() + 4.0;
-                let rect = Rect::from_min_max(pos2(outer.left(), top), outer.max);
-                self.wipe(ui, rect, left, right);
-            }
+            [left, right] if wipes => self.wipe(ui, left, right),
             panes => self.link(panes),
         }
         asked
@@ -99,16 +94,17 @@ impl Compare {
         self.seen.extend(panes.iter().map(Pane::outlook));
     }
 
-    fn wipe(&mut self, ui: &mut egui::Ui, rect: Rect, left: &mut Pane, right: &mut Pane) {
+    fn wipe(&mut self, ui: &mut egui::Ui, left: &mut Pane, right: &mut Pane) {
         let both = [&*left, &*right].map(|pane| pane.picture.texture());
         let [Some(first), Some(second)] = both else {
+            ui.set_min_size(ui.available_size());
             let missing = if both[0].is_none() { &*left } else { &*right };
             let title = missing.output.as_ref().map_or_else(|| "nothing".to_owned(), ToString::to_string);
             ui.label(format!("The {} shows no picture of `{title}` to be wiped over", missing.name));
             ui.weak("Show terrain, a mask, features or a picture in both, or take the mark off `wipe`.");
             return;
         };
-        let response = ui.interact(rect, ui.id().with("wipe"), Sense::click_and_drag());
+        let (rect, response) = ui.allocate_exact_size(ui.available_size(), Sense::click_and_drag());
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, "both pictures, with a line between")
         });

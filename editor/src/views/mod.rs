@@ -185,17 +185,21 @@ impl Pane {
             Ok(Shown { value, picture, beside, ground, scale }) => {
                 let texture = picture.as_ref().and_then(texture_of).or_else(|| texture_of(&value));
                 self.picture.show(ctx, &self.name, texture);
-                let bare = ground.as_ref().and_then(texture_of);
-                self.bare.show(ctx, &format!("{} bare", self.name), bare);
-                match (&value, &beside) {
-                    (Value::Heightfield(terrain), _) => self.ground.show(Some(terrain), None),
-                    (Value::Features(features), Some(Value::Heightfield(terrain))) => {
-                        self.ground.show(Some(terrain), Some(features));
-                    }
-                    _ => self.ground.show(None, None),
-                }
-                self.plot.renew();
                 let compared = scale.as_ref().is_some_and(|scale| scale.colours == Colours::Diverging);
+                let (terrain, features) = match (&value, &beside) {
+                    (Value::Heightfield(terrain), _) => (Some(terrain), None),
+                    (Value::Features(features), Some(Value::Heightfield(terrain))) => {
+                        (Some(terrain), Some(features))
+                    }
+                    (_, Some(Value::Heightfield(terrain))) => (Some(terrain), None),
+                    _ => (None, None),
+                };
+                self.ground.show(terrain.map(AsRef::as_ref), features.map(AsRef::as_ref));
+                let bare = ground.as_ref().and_then(texture_of).filter(|_| features.is_some());
+                self.bare.show(ctx, &format!("{} bare", self.name), bare);
+                if let Value::Table(table) = &value {
+                    self.plot.renew(table);
+                }
                 let legend = scale.as_ref().and_then(Legend::new);
                 let style = match &value {
                     Value::Table(table) => table::Style::of(table),
@@ -247,7 +251,8 @@ impl Pane {
                 (Value::Table(values), _) => table::show(ui, &self.name, values, &sight.style),
                 (_, Mode::Ground(_)) if self.ground.has_terrain() => {
                     let texture = self.bare.texture().or_else(|| self.picture.texture());
-                    self.ground.ui(ui, &self.name, texture);
+                    let legend = sight.legend.as_ref().filter(|_| self.bare.texture().is_none());
+                    self.ground.ui(ui, &self.name, texture, legend);
                 }
                 _ if self.picture.texture().is_some() => {
                     let legend = sight.legend.as_ref();

@@ -18,6 +18,8 @@ const FEW: usize = 8;
 #[derive(Default)]
 pub(super) struct Plot {
     choice: Choice,
+    /// The columns that the choice was made of.
+    columns: Vec<String>,
     /// What was drawn last, and of which choice it was.
     drawn: Option<(Choice, Vec<Drawn>)>,
     /// Whether all of it is to be seen again.
@@ -37,8 +39,14 @@ pub(super) fn can_be_plotted(table: &Table) -> bool {
 
 impl Plot {
     /// Another table is to be plotted.
-    pub(super) fn renew(&mut self) {
+    pub(super) fn renew(&mut self, table: &Table) {
         self.drawn = None;
+        let columns: Vec<_> = table.columns().iter().map(|column| column.name.clone()).collect();
+        if self.columns != columns {
+            self.columns = columns;
+            let all = Choice { over_rows: true, ..Choice::default() };
+            self.choice = Choice { hidden: series::strangers(table, &all), ..Choice::default() };
+        }
     }
 
     pub(super) fn ui(&mut self, ui: &mut egui::Ui, name: &str, table: &Table) {
@@ -86,13 +94,16 @@ impl Plot {
         let mut plot = egui_plot::Plot::new((name, "plot"))
             .x_axis_label(below.clone())
             .y_axis_label(beside.clone())
-            .legend(Legend::default())
             .label_formatter(hover)
             .x_axis_formatter(move |mark, _| match &labels {
                 Some(names) => name_at(names, mark.value),
                 None => short(power(mark.value, log_x)),
             })
             .y_axis_formatter(move |mark, _| short(power(mark.value, log_y)));
+        // Names that would hide what they name are left to the menu of columns.
+        if all.len() > 1 && (all.len() as f32) * 22.0 < ui.available_height() * 0.7 {
+            plot = plot.legend(Legend::default());
+        }
         if log_x {
             plot = plot.x_grid_spacer(decades);
         }
@@ -130,17 +141,17 @@ impl Plot {
 
     fn choices(&mut self, ui: &mut egui::Ui, name: &str, table: &Table) {
         ui.horizontal_wrapped(|ui| {
-            for column in series::offered(table, &self.choice) {
-                let mut shown = !self.choice.hidden.iter().any(|hidden| hidden == column);
-                let checkbox = ui.checkbox(&mut shown, column.replace('_', " "));
-                if checkbox.changed() {
-                    match shown {
-                        true => self.choice.hidden.retain(|hidden| hidden != column),
-                        false => self.choice.hidden.push(column.to_owned()),
+            ui.menu_button("columns", |ui| {
+                for column in series::offered(table, &self.choice) {
+                    let mut shown = !self.choice.hidden.iter().any(|hidden| hidden == column);
+                    if ui.checkbox(&mut shown, column.replace('_', " ")).changed() {
+                        match shown {
+                            true => self.choice.hidden.retain(|hidden| hidden != column),
+                            false => self.choice.hidden.push(column.to_owned()),
+                        }
                     }
                 }
-            }
-            ui.separator();
+            });
             for (axis, log) in ["x", "y"].into_iter().zip(&mut self.choice.log) {
                 ui.checkbox(log, format!("log {axis}"))
                     .on_hover_text("A logarithmic axis; what is not above zero is left out");

@@ -43,6 +43,18 @@ pub(super) fn offered<'a>(table: &'a Table, choice: &Choice) -> Vec<&'a str> {
     columns.filter(|name| Some(*name) != under).collect()
 }
 
+/// Columns that are better not drawn beside the others, for their numbers have other units: those without the unit
+/// that most have, and of two that as many have, the later one, which is seldom a place along the axis.
+pub(super) fn strangers(table: &Table, choice: &Choice) -> Vec<String> {
+    let offered = offered(table, choice);
+    let columns = || number_columns(table).filter(|(column, _)| offered.contains(&column.name.as_str()));
+    let units: Vec<_> = columns().map(|(column, _)| column.unit.symbol()).collect();
+    let count = |unit: &str| units.iter().filter(|other| **other == unit).count();
+    let Some(most) = units.iter().max_by_key(|unit| count(unit)) else { return Vec::new() };
+    let others = columns().filter(|(column, _)| column.unit.symbol() != *most);
+    others.map(|(column, _)| column.name.clone()).collect()
+}
+
 /// The columns that are chosen, as they are drawn.
 pub(super) fn series(table: &Table, choice: &Choice) -> Vec<Series> {
     let under = base(table, choice);
@@ -132,6 +144,13 @@ mod tests {
         assert_eq!(offered(&table(), &choice), ["lag", "sill", "pairs"]);
         assert_eq!(series(&table(), &choice)[0].runs[0][3], [4.0, 1000.0]);
         assert_eq!(offered(&table(), &Choice::default()), ["sill", "pairs"]);
+    }
+
+    #[test]
+    fn columns_of_another_unit_than_most_are_not_drawn_at_first() {
+        let choice = Choice { over_rows: true, ..Choice::default() };
+        assert_eq!(strangers(&table(), &choice), ["pairs"]);
+        assert_eq!(strangers(&table(), &Choice::default()), ["sill"], "of one and one the later is drawn");
     }
 
     #[test]

@@ -18,7 +18,7 @@ pub(super) use camera::Stand;
 use lines::Lines;
 use relief::Relief;
 
-use super::{keys, picture};
+use super::{keys, legend::Legend, picture};
 
 /// Terrain, and where one looks at it from.
 #[derive(Default)]
@@ -56,8 +56,15 @@ impl Ground {
         self.relief.is_some()
     }
 
-    pub(super) fn ui(&mut self, ui: &mut egui::Ui, name: &str, texture: Option<TextureId>) {
-        ui.horizontal(|ui| {
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut egui::Ui,
+        name: &str,
+        texture: Option<TextureId>,
+        legend: Option<&Legend>,
+    ) {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().slider_width = 64.0;
             let stand = &mut self.stand;
             let degrees = |value, range| egui::Slider::new(value, range).suffix("°").fixed_decimals(0);
             ui.add(egui::Slider::new(&mut stand.exaggeration, 0.1..=10.0).logarithmic(true).text("height"));
@@ -89,6 +96,9 @@ impl Ground {
             if let Some(lines) = &drawn.lines {
                 painter.add(Shape::Mesh(lines.clone()));
             }
+        }
+        if let Some(legend) = legend {
+            legend.ui(ui, rect, response.id.with("legend"));
         }
         picture::tell(ui, rect, response.id.with("stand"), self.stand.words());
     }
