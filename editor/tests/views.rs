@@ -25,12 +25,15 @@ const GROUND: &str = r#"(
             params: (lines: [[(0.1, 0.5, 1.0), (0.9, 0.5, 1.0)]], kind: "valley"),
             inputs: {"like": "slope.terrain"},
         ),
+        "row": (node: "transform.crop", version: 1, params: (rows: 1), inputs: {"terrain": "slope.terrain"}),
+        "all": (node: "mask.from_height", version: 1, params: (low: -1000, high: 10000), inputs: {"terrain": "slope.terrain"}),
+        "void": (node: "adjust.punch", version: 1, inputs: {"terrain": "slope.terrain", "mask": "all.mask"}),
         "hills": (node: "generate.fbm", version: 1),
         "curve": (node: "measure.slope_distribution", version: 1, inputs: {"terrain": "hills.terrain"}),
     },
     layout: (nodes: {
         "level": (0, 0), "slope": (0, 260), "part": (280, 0), "high": (280, 260),
-        "drawn": (560, 0), "hills": (560, 260), "curve": (840, 0),
+        "row": (1120, 0), "all": (840, 260), "void": (1120, 260), "drawn": (560, 0), "hills": (560, 260), "curve": (840, 0),
     }),
 )
 "#;
@@ -207,6 +210,21 @@ fn arrows_walk_around_ground_that_was_clicked() {
     press(&mut editor, NONE, Key::ArrowUp);
     assert!(editor.query_by_label("seen from 205°, 40° up").is_some());
     assert_eq!(editor.state().app().selection(), ["slope"], "the arrows are the view's");
+}
+
+#[test]
+fn ground_that_is_level_thin_or_void_is_told_and_breaks_nothing() {
+    let (_place, mut editor) = editor();
+    select(&mut editor, "level");
+    button(&mut editor, "3D");
+    assert!(editor.query_by_label("ground view").is_some());
+    select(&mut editor, "row");
+    assert!(editor.query_by_label_contains("two rows and two columns").is_some());
+    select(&mut editor, "void");
+    assert!(editor.query_by_label_contains("every cell is a void").is_some());
+    button(&mut editor, "2D");
+    let middle = rect(&editor, "picture view").center();
+    assert!(under(&mut editor, middle, "row ").ends_with("void"));
 }
 
 #[test]

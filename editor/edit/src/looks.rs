@@ -47,12 +47,17 @@ pub struct Scale {
 }
 
 /// Colours in a row.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum Colours {
     /// Those of the palette of this name, as settings write it.
     Palette(String),
-    /// From white paper to this colour, as settings write it.
-    Tint(String),
+    /// From white paper to a colour.
+    Tint {
+        /// The colour, as settings write it.
+        colour: String,
+        /// How much of the paper it hides at last.
+        opacity: f64,
+    },
     /// Blue below, white at the middle, red above.
     Diverging,
 }
@@ -124,7 +129,9 @@ pub fn scale(spec: &NodeSpec, value: &Value) -> Option<Scale> {
             Some(Scale { colours: Colours::Palette(text("palette")?), low: 0.0, high, unit: most.unit })
         }
         (Ends::Shares, _) => {
-            Some(Scale { colours: Colours::Tint(text("colour")?), low: 0.0, high: 1.0, unit: Unit::One })
+            let ParamValue::Number(opacity) = param("opacity")?.default else { return None };
+            let colours = Colours::Tint { colour: text("colour")?, opacity };
+            Some(Scale { colours, low: 0.0, high: 1.0, unit: Unit::One })
         }
         _ => None,
     }

@@ -2,7 +2,7 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, Color32, CursorIcon, Key, Rect, Sense, Stroke, pos2, vec2};
+use eframe::egui::{self, Align, Color32, CursorIcon, Key, Rect, Sense, Stroke, pos2, vec2};
 use orograph_core::Grid;
 use orograph_engine::Registry;
 
@@ -127,6 +127,11 @@ impl Compare {
         painter.line_segment(ends, Stroke::new(2.0, Color32::WHITE));
         if let [Some(grid), _] = &grids {
             picture::scale_bar(&painter, rect, place.width() / left.picture.size.x.max(1.0), grid.cell.x);
+        }
+        for (pane, side) in [(&*left, Align::Min), (&*right, Align::Max)] {
+            if let Some(legend) = pane.sight().and_then(|sight| sight.legend.as_ref()) {
+                legend.ui(ui, rect, side, response.id.with((&pane.name, "legend")));
+            }
         }
         if let Some(pos) = response.hover_pos() {
             let what = |pane: &Pane, place: Rect| {

@@ -1,6 +1,6 @@
 //! What the colours of a picture mean: a bar of them with numbers.
 
-use eframe::egui::{self, Align2, Color32, Mesh, Rect, Sense, pos2, vec2};
+use eframe::egui::{self, Align, Align2, Color32, Mesh, Rect, Sense, pos2, vec2};
 use orograph_core::Choice;
 use orograph_edit::looks::{Colours, Scale};
 use orograph_nodes::look::{
@@ -31,9 +31,9 @@ impl Legend {
                 Box::new(move |share| palette.at(share))
             }
             Colours::Diverging => Box::new(|share| Palette::Diverging.at(share)),
-            Colours::Tint(text) => {
-                let tint = colour::parse("colour", text).ok()?;
-                Box::new(move |share| colour::blend(PAPER, tint, share))
+            Colours::Tint { colour, opacity } => {
+                let (tint, opacity) = (colour::parse("colour", colour).ok()?, *opacity);
+                Box::new(move |share| colour::blend(PAPER, tint, share * opacity))
             }
         };
         let colours = (0..STEPS).map(|i| {
@@ -51,8 +51,8 @@ impl Legend {
         format!("colours from {low} to {sign}{high}")
     }
 
-    /// Draws it into the upper right corner of `rect`.
-    pub(super) fn ui(&self, ui: &egui::Ui, rect: Rect, id: egui::Id) {
+    /// Draws it into an upper corner of `rect`, the left or the right one.
+    pub(super) fn ui(&self, ui: &egui::Ui, rect: Rect, side: Align, id: egui::Id) {
         const BAR: f32 = 14.0;
         let tall = (rect.height() - 60.0).min(180.0);
         if tall < 40.0 {
@@ -67,7 +67,7 @@ impl Legend {
             .collect();
         let widest = texts.iter().map(|(_, text)| text.size().x).fold(0.0, f32::max);
         let size = vec2(BAR + widest + 20.0, tall + 20.0);
-        let ground = Rect::from_min_size(pos2(rect.right() - size.x - 6.0, rect.top() + 6.0), size);
+        let ground = Align2([side, Align::Min]).align_size_within_rect(size, rect.shrink(6.0));
         painter.rect_filled(ground, 3.0, Color32::from_black_alpha(170));
         let bar = Rect::from_min_size(ground.min + vec2(6.0, 10.0), vec2(BAR, tall));
         painter.add(self.bar(bar));

@@ -65,7 +65,7 @@ impl Picture {
             scale_bar(&painter, rect, place.width() / self.size.x.max(1.0), grid.cell.x);
         }
         if let Some(legend) = legend {
-            legend.ui(ui, rect, response.id.with("legend"));
+            legend.ui(ui, rect, egui::Align::Max, response.id.with("legend"));
         }
         if let Some(pos) = response.hover_pos()
             && let Some(text) = probe.tell(share(place, pos), self.reach(place))

@@ -1,7 +1,9 @@
 //! A table as a plot: lines over its first column, or bars where rows are few.
 
+use std::sync::Arc;
+
 use eframe::egui;
-use egui_plot::{Bar, BarChart, GridInput, GridMark, HoverPosition, Legend, Line, PlotPoint, Points};
+use egui_plot::{Bar, BarChart, Corner, GridInput, GridMark, HoverPosition, Legend, Line, PlotPoint, Points};
 use orograph_core::{Cells, Table};
 use orograph_nodes::look::ticks;
 
@@ -15,7 +17,6 @@ use crate::inspector::named;
 const FEW: usize = 8;
 
 /// How a table is plotted.
-#[derive(Default)]
 pub(super) struct Plot {
     choice: Choice,
     /// The columns that the choice was made of.
@@ -24,6 +25,23 @@ pub(super) struct Plot {
     drawn: Option<(Choice, Vec<Drawn>)>,
     /// Whether all of it is to be seen again.
     fresh: bool,
+    /// Names of the rows, where the table has such.
+    names: Option<Arc<[String]>>,
+    /// Where the names of the columns hide the least.
+    corner: Corner,
+}
+
+impl Default for Plot {
+    fn default() -> Self {
+        Self {
+            choice: Choice::default(),
+            columns: Vec::new(),
+            drawn: None,
+            fresh: false,
+            names: None,
+            corner: Corner::RightTop,
+        }
+    }
 }
 
 struct Drawn {
@@ -41,6 +59,7 @@ impl Plot {
     /// Another table is to be plotted.
     pub(super) fn renew(&mut self, table: &Table) {
         self.drawn = None;
+        self.names = row_names(table);
         let columns: Vec<_> = table.columns().iter().map(|column| column.name.clone()).collect();
         if self.columns != columns {
             self.columns = columns;
@@ -64,7 +83,15 @@ impl Plot {
                     .collect(),
                 series,
             });
-            self.drawn = Some((self.choice.clone(), drawn.collect()));
+            let drawn: Vec<_> = drawn.collect();
+            self.corner = match series::emptiest(&drawn.iter().map(|drawn| &drawn.series).collect::<Vec<_>>())
+            {
+                (true, true) => Corner::RightTop,
+                (false, true) => Corner::LeftTop,
+                (true, false) => Corner::RightBottom,
+                (false, false) => Corner::LeftBottom,
+            };
+            self.drawn = Some((self.choice.clone(), drawn));
             self.fresh = true;
         }
         let Some((_, drawn)) = &self.drawn else { return };
@@ -72,14 +99,14 @@ impl Plot {
             ui.label("Nothing of it can be drawn: choose a column, or take the mark off a logarithmic axis");
             return;
         }
-        let all: Vec<Series> = drawn.iter().map(|drawn| drawn.series.clone()).collect();
+        let all: Vec<&Series> = drawn.iter().map(|drawn| &drawn.series).collect();
         let below = match series::base(table, &self.choice) {
             Some((column, _)) => series::title(&column.name, column.unit.symbol()),
             None => "row".to_owned(),
         };
-        let beside = series::vertical_title(&all);
+        let beside = series::vertical_title(all.iter().copied());
         let [log_x, log_y] = self.choice.log;
-        let labels = row_names(table).filter(|_| self.over_rows(table));
+        let labels = self.names.clone().filter(|_| self.over_rows(table));
         let names = labels.clone();
         let hover = move |at: &HoverPosition<'_>| match at {
             HoverPosition::NearDataPoint { plot_name, position, .. } => {
@@ -102,7 +129,7 @@ impl Plot {
             .y_axis_formatter(move |mark, _| short(power(mark.value, log_y)));
         // Names that would hide what they name are left to the menu of columns.
         if all.len() > 1 && (all.len() as f32) * 22.0 < ui.available_height() * 0.7 {
-            plot = plot.legend(Legend::default());
+            plot = plot.legend(Legend::default().position(self.corner));
         }
         if log_x {
             plot = plot.x_grid_spacer(decades);
@@ -196,9 +223,9 @@ fn colour_of(nth: usize) -> egui::Color32 {
 }
 
 /// The names of rows: the first column of texts.
-fn row_names(table: &Table) -> Option<Vec<String>> {
+fn row_names(table: &Table) -> Option<Arc<[String]>> {
     table.columns().iter().find_map(|column| match &column.cells {
-        Cells::Texts(texts) => Some(texts.clone()),
+        Cells::Texts(texts) => Some(texts.as_slice().into()),
         Cells::Numbers(_) => None,
     })
 }

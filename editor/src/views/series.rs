@@ -91,16 +91,37 @@ pub(super) fn title(name: &str, unit: &str) -> String {
 }
 
 /// What stands along the vertical axis: the one column, or the unit that all have.
-pub(super) fn vertical_title(series: &[Series]) -> String {
-    match series {
-        [] => String::new(),
-        [only] => title(&only.name, only.unit),
-        [first, rest @ ..] => match rest.iter().all(|other| other.unit == first.unit) {
-            true if first.unit == "1" => String::new(),
-            true => first.unit.to_owned(),
-            false => "units differ, see the names".to_owned(),
-        },
+pub(super) fn vertical_title<'a>(drawn: impl IntoIterator<Item = &'a Series>) -> String {
+    let mut drawn = drawn.into_iter();
+    let Some(first) = drawn.next() else { return String::new() };
+    let mut rest = drawn.peekable();
+    if rest.peek().is_none() {
+        return title(&first.name, first.unit);
     }
+    match rest.all(|other| other.unit == first.unit) {
+        true if first.unit == "1" => String::new(),
+        true => first.unit.to_owned(),
+        false => "units differ, see the names".to_owned(),
+    }
+}
+
+/// The quarter of a plot that the fewest of its places lie in: to the right, and above.
+pub(super) fn emptiest(drawn: &[&Series]) -> (bool, bool) {
+    let places = || drawn.iter().flat_map(|series| series.runs.iter().flatten());
+    let mut low = [f64::INFINITY; 2];
+    let mut high = [f64::NEG_INFINITY; 2];
+    for place in places() {
+        for axis in 0..2 {
+            low[axis] = low[axis].min(place[axis]);
+            high[axis] = high[axis].max(place[axis]);
+        }
+    }
+    let beyond = |place: &[f64; 2], axis: usize| place[axis] > f64::midpoint(low[axis], high[axis]);
+    let inside = |(right, above): (bool, bool)| {
+        places().filter(|place| beyond(place, 0) == right && beyond(place, 1) == above).count()
+    };
+    let quarters = [(true, true), (false, true), (true, false), (false, false)];
+    quarters.into_iter().min_by_key(|quarter| inside(*quarter)).unwrap_or((true, true))
 }
 
 #[cfg(test)]
@@ -151,6 +172,16 @@ mod tests {
         let choice = Choice { over_rows: true, ..Choice::default() };
         assert_eq!(strangers(&table(), &choice), ["pairs"]);
         assert_eq!(strangers(&table(), &Choice::default()), ["sill"], "of one and one the later is drawn");
+    }
+
+    #[test]
+    fn names_stand_where_nothing_is_drawn() {
+        let run = |places: &[[f64; 2]]| Series { name: "a".into(), unit: "m", runs: vec![places.to_vec()] };
+        let rising = run(&[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0], [3.0, 3.0]]);
+        let falling = run(&[[0.0, 3.0], [1.0, 2.0], [2.0, 1.0], [3.0, 0.0]]);
+        assert_eq!(emptiest(&[&rising]), (false, true));
+        assert_eq!(emptiest(&[&falling]), (true, true));
+        assert_eq!(emptiest(&[]), (true, true));
     }
 
     #[test]

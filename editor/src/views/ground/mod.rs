@@ -98,7 +98,7 @@ impl Ground {
             }
         }
         if let Some(legend) = legend {
-            legend.ui(ui, rect, response.id.with("legend"));
+            legend.ui(ui, rect, egui::Align::Max, response.id.with("legend"));
         }
         picture::tell(ui, rect, response.id.with("stand"), self.stand.words());
     }
