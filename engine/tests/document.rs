@@ -3,7 +3,7 @@
 mod document_nodes;
 
 use document_nodes::registry;
-use orograph_engine::document::{Body, Document, Frame, Link, Literal, MAX_BYTES, Node};
+use orograph_engine::document::{Bend, Body, Comment, Document, Frame, Link, Literal, MAX_BYTES, Node};
 use proptest::prelude::*;
 
 const FULL: &str = r#"// A graph that uses every field.
@@ -29,6 +29,8 @@ const FULL: &str = r#"// A graph that uses every field.
     layout: (
         nodes: {"dem": (0, -1.5)},
         frames: [(title: "Input", rect: (0, 0, 300, 200))],
+        comments: [(text: "Two\nlines", at: (5, -7))],
+        bends: [(from: "dem.terrain", to: "lib.terrain", through: [(1, 2), (3.5, 4)])],
     ),
 )
 "#;
@@ -52,6 +54,10 @@ fn every_field_is_read() {
     assert_eq!(document.nodes["odd"].extra["colour"], Literal::Text("red".into()));
     let frame = Frame { title: "Input".into(), rect: (0.0, 0.0, 300.0, 200.0) };
     assert_eq!(document.layout.frames, [frame]);
+    assert_eq!(document.layout.comments, [Comment { text: "Two\nlines".into(), at: (5.0, -7.0) }]);
+    let [bend] = &document.layout.bends[..] else { panic!("{:?}", document.layout.bends) };
+    assert_eq!((bend.from.to_string(), bend.to.to_string()), ("dem.terrain".into(), "lib.terrain".into()));
+    assert_eq!(bend.through, [(1.0, 2.0), (3.5, 4.0)]);
 }
 
 #[test]
@@ -345,7 +351,18 @@ fn node() -> impl Strategy<Value = Node> {
 
 fn document() -> impl Strategy<Value = Document> {
     let nodes = prop::collection::vec((NAME.prop_filter("reserved", |name| name != "graph"), node()), 0..6);
-    let layout = prop::collection::vec((NAME, (-1e6..1e6, -1e6..1e6)), 0..3);
+    let place = || (-1e6..1e6, -1e6..1e6);
+    let comment = (".*", place()).prop_map(|(text, at)| Comment { text, at });
+    let bend = (link(), link(), prop::collection::vec(place(), 0..3)).prop_map(|(from, to, through)| Bend {
+        from,
+        to,
+        through,
+    });
+    let layout = (
+        prop::collection::vec((NAME, place()), 0..3),
+        prop::collection::vec(comment, 0..2),
+        prop::collection::vec(bend, 0..2),
+    );
     // Either a comment as it would stand, or none.
     let header = "(// [a-z/*()]{0,12}[a-z)](\n|\n\n)){0,2}// [a-z]|/\\*( [a-z]{1,6})?(\n[a-z(]{1,6})? \\*/|";
     (header, ".*", nodes, prop::collection::vec((NAME, link()), 0..3), layout).prop_map(
@@ -355,7 +372,8 @@ fn document() -> impl Strategy<Value = Document> {
             document.doc = doc;
             document.nodes = nodes.into_iter().collect();
             document.outputs = outputs.into_iter().collect();
-            document.layout.nodes = layout.into_iter().collect();
+            document.layout.nodes = layout.0.into_iter().collect();
+            (document.layout.comments, document.layout.bends) = (layout.1, layout.2);
             document
         },
     )

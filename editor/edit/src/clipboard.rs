@@ -3,7 +3,7 @@
 use indexmap::IndexMap;
 use orograph_engine::{
     Document, Registry,
-    document::{DocumentErrors, Link},
+    document::{Bend, DocumentErrors, Link},
 };
 
 use crate::operations::free_name;
@@ -20,6 +20,8 @@ pub fn copy(document: &Document, names: &[&str], registry: &Registry) -> String 
     part.nodes.retain(|name, _| kept(name));
     part.layout.nodes.retain(|name, _| kept(name));
     part.layout.frames.clear();
+    part.layout.comments.clear();
+    part.layout.bends.retain(|bend| kept(&bend.from.node) && kept(&bend.to.node));
     part.to_ron(registry)
 }
 
@@ -56,6 +58,14 @@ pub fn paste(document: &mut Document, text: &str, at: (f64, f64)) -> Result<Vec<
         let step = 24.0 * index as f64;
         let place = pasted.layout.nodes.get(old).copied().unwrap_or((corner.0 + step, corner.1 + step));
         document.layout.nodes.insert(new.clone(), (place.0 - corner.0 + at.0, place.1 - corner.1 + at.1));
+    }
+    for bend in &pasted.layout.bends {
+        let renamed =
+            |link: &Link| names.get(&link.node).map(|name| Link::new(name.clone(), link.port.clone()));
+        if let (Some(from), Some(to)) = (renamed(&bend.from), renamed(&bend.to)) {
+            let moved = |(x, y): &(f64, f64)| (x - corner.0 + at.0, y - corner.1 + at.1);
+            document.layout.bends.push(Bend { from, to, through: bend.through.iter().map(moved).collect() });
+        }
     }
     Ok(names.into_values().collect())
 }

@@ -8,7 +8,7 @@ use std::hash::Hash;
 use indexmap::IndexMap;
 use orograph_engine::{
     Document,
-    document::{Exposed, Frame, GraphInput, Link, Literal, Node},
+    document::{Bend, Comment, Exposed, Frame, GraphInput, Link, Literal, Node},
 };
 
 /// What stood at a place before and after.
@@ -41,6 +41,10 @@ pub enum Change {
     Position(String, Swap<Option<(f64, f64)>>),
     /// The frames.
     Frames(Swap<Vec<Frame>>),
+    /// The comments on the canvas.
+    Comments(Swap<Vec<Comment>>),
+    /// The bends of wires.
+    Bends(Swap<Vec<Bend>>),
 }
 
 /// Everything that one edit changed.
@@ -71,6 +75,12 @@ impl Delta {
         if old.frames != new.frames {
             changes.push(Change::Frames(swap(&old.frames, &new.frames)));
         }
+        if old.comments != new.comments {
+            changes.push(Change::Comments(swap(&old.comments, &new.comments)));
+        }
+        if old.bends != new.bends {
+            changes.push(Change::Bends(swap(&old.bends, &new.bends)));
+        }
         Self { changes }
     }
 
@@ -90,7 +100,11 @@ impl Delta {
     #[must_use]
     pub fn changes_results(&self) -> bool {
         self.changes.iter().any(|change| match change {
-            Change::Doc(_) | Change::Position(..) | Change::Frames(_) => false,
+            Change::Doc(_)
+            | Change::Position(..)
+            | Change::Frames(_)
+            | Change::Comments(_)
+            | Change::Bends(_) => false,
             Change::Node(_, Swap { before: Some(before), after: Some(after) }) => {
                 let said = |node: &Node| Node { comment: String::new(), ..node.clone() };
                 said(before) != said(after)
@@ -187,6 +201,8 @@ impl Change {
             Self::Wires(at, swap) => Self::Wires(at.clone(), turned(swap)),
             Self::Position(name, swap) => Self::Position(name.clone(), turned(swap)),
             Self::Frames(swap) => Self::Frames(turned(swap)),
+            Self::Comments(swap) => Self::Comments(turned(swap)),
+            Self::Bends(swap) => Self::Bends(turned(swap)),
         }
     }
 
@@ -208,6 +224,8 @@ impl Change {
             }
             Self::Position(name, swap) => entry(&mut document.layout.nodes, name, swap),
             Self::Frames(swap) => set(&mut document.layout.frames, swap),
+            Self::Comments(swap) => set(&mut document.layout.comments, swap),
+            Self::Bends(swap) => set(&mut document.layout.bends, swap),
         }
     }
 }

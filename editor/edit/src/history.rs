@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use orograph_engine::Document;
 
-use crate::Delta;
+use crate::{Delta, operations};
 
 /// A document that is being edited.
 #[derive(Debug)]
@@ -74,6 +74,7 @@ impl Editing {
         self.end_gesture();
         let mut next = (*self.document).clone();
         let result = edit(&mut next)?;
+        operations::forget_bends(&mut next);
         let delta = Delta::between(&self.document, &next);
         if !delta.is_empty() {
             self.push(label, delta, self.state, next);
@@ -95,6 +96,7 @@ impl Editing {
         let goes_on = self.gesture.as_ref().is_some_and(|now| now.name == gesture);
         let mut next = (*self.document).clone();
         let result = edit(&mut next)?;
+        operations::forget_bends(&mut next);
         if *self.document == next {
             return Ok(result);
         }

@@ -4,7 +4,7 @@ use indexmap::{IndexMap, IndexSet};
 use orograph_core::{Arity, NodeType, ValueType};
 use orograph_engine::{
     Document,
-    document::{Exposed, Frame, GRAPH, Link, Literal, Node, is_name},
+    document::{Bend, Exposed, Frame, GRAPH, Link, Literal, Node, is_name},
 };
 
 use crate::{Interfaces, Kind};
@@ -278,7 +278,9 @@ pub fn rename(document: &mut Document, old: &str, new: &str) -> Result<(), Refus
     rename_key(&mut document.layout.nodes, old, new);
     let inputs = document.nodes.values_mut().flat_map(|node| node.inputs.values_mut().flatten());
     let exposed = document.expose.values_mut().map(|exposed| &mut exposed.param);
-    for link in inputs.chain(document.outputs.values_mut()).chain(exposed).filter(|link| link.node == old) {
+    let bent = document.layout.bends.iter_mut().flat_map(|bend| [&mut bend.from, &mut bend.to]);
+    let links = inputs.chain(document.outputs.values_mut()).chain(exposed).chain(bent);
+    for link in links.filter(|link| link.node == old) {
         link.node = new.to_owned();
     }
     Ok(())
@@ -340,6 +342,30 @@ pub fn toggle_bypass(document: &mut Document, names: &[&str]) {
             node.bypass = !all;
         }
     }
+}
+
+/// Whether there is such a wire.
+#[must_use]
+pub fn has_wire(document: &Document, from: &Link, to: &Link) -> bool {
+    let links = document.nodes.get(&to.node).and_then(|node| node.inputs.get(&to.port));
+    links.is_some_and(|links| links.contains(from))
+}
+
+/// Leads a wire through these places and no others.
+pub fn bend(document: &mut Document, from: &Link, to: &Link, through: Vec<(f64, f64)>) {
+    let bends = &mut document.layout.bends;
+    match bends.iter_mut().find(|bend| bend.from == *from && bend.to == *to) {
+        Some(bend) => bend.through = through,
+        None => bends.push(Bend { from: from.clone(), to: to.clone(), through }),
+    }
+    bends.retain(|bend| !bend.through.is_empty());
+}
+
+/// Forgets the bends of wires that are gone.
+pub(crate) fn forget_bends(document: &mut Document) {
+    let mut bends = std::mem::take(&mut document.layout.bends);
+    bends.retain(|bend| has_wire(document, &bend.from, &bend.to));
+    document.layout.bends = bends;
 }
 
 /// Puts a titled frame around the rectangle `min`–`max` that holds nodes.

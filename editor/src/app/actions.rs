@@ -4,7 +4,7 @@ use eframe::egui::{self, Event};
 use orograph_edit::{clipboard, operations, subgraph};
 use orograph_engine::Document;
 
-use super::{App, Command, Question, dialogs::Then, help::Page, search::Search};
+use super::{App, Command, Question, dialogs::Then, help::Page, search::Search, words::Whose};
 use crate::{
     app::command::ENTRIES,
     views::{Mode, Pane},
@@ -65,6 +65,7 @@ impl App {
             | Command::Expand => selected > 0,
             Command::Delete => selected > 0 || !self.canvas.wires.is_empty(),
             Command::AlignLeft | Command::AlignTop => selected > 1,
+            Command::Bend => !self.canvas.wires.is_empty(),
             _ => true,
         }
     }
@@ -113,6 +114,8 @@ impl App {
                 });
             }
             Command::Frame => self.frame(ctx, &refs),
+            Command::Comment => self.write(Whose::NewComment),
+            Command::Bend => self.bend_chosen(),
             Command::Collapse => self.ask_file(Question::Save, super::dialogs::For::Collapse(names.clone())),
             Command::Expand => self.expand(&names),
             Command::AlignLeft | Command::AlignTop => self.align(ctx, &refs, command == Command::AlignLeft),
@@ -201,7 +204,7 @@ impl App {
             Ok(())
         });
         let last = self.editing.document().layout.frames.len().saturating_sub(1);
-        self.title = Some((last, "Frame".into()));
+        self.write(Whose::Frame(last));
     }
 
     fn expand(&mut self, names: &[String]) {

@@ -43,6 +43,10 @@ pub enum Command {
     Bypass,
     /// Puts a frame around the selected nodes.
     Frame,
+    /// Puts words between the nodes.
+    Comment,
+    /// Leads the selected wires through a place more.
+    Bend,
     /// Folds the selected nodes into a graph of their own.
     Collapse,
     /// Lays a graph that is a node out again.
@@ -125,7 +129,7 @@ const fn entry(command: Command, label: &'static str, menu: Menu, key: Option<(M
 }
 
 /// Every command; of those with one key, the ones with more modifiers stand first.
-pub(super) const ENTRIES: [Entry; 36] = [
+pub(super) const ENTRIES: [Entry; 38] = [
     entry(Command::New, "New", Menu::File, Some((CTRL, Key::N))),
     entry(Command::Open, "Open…", Menu::File, Some((CTRL, Key::O))),
     entry(Command::SaveAs, "Save as…", Menu::File, Some((CTRL.plus(SHIFT), Key::S))),
@@ -147,6 +151,8 @@ pub(super) const ENTRIES: [Entry; 36] = [
     entry(Command::AddGraph, "Add graph as node…", Menu::Node, None),
     entry(Command::Bypass, "Bypass", Menu::Node, Some((NONE, Key::B))),
     entry(Command::Frame, "Frame", Menu::Node, Some((NONE, Key::F))),
+    entry(Command::Comment, "Comment…", Menu::Node, Some((NONE, Key::C))),
+    entry(Command::Bend, "Bend wires", Menu::Node, Some((NONE, Key::W))),
     entry(Command::Expand, "Expand subgraph", Menu::Node, Some((CTRL.plus(SHIFT), Key::G))),
     entry(Command::Collapse, "Collapse into subgraph…", Menu::Node, Some((CTRL, Key::G))),
     entry(Command::AlignLeft, "Align left edges", Menu::Node, Some((NONE, Key::L))),

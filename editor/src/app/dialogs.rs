@@ -165,34 +165,6 @@ impl App {
         }
     }
 
-    pub(super) fn frame_title_ui(&mut self, ctx: &egui::Context) {
-        let Some((index, title)) = &mut self.title else { return };
-        let (index, mut done, mut remove) = (*index, false, false);
-        egui::Modal::new("frame".into()).show(ctx, |ui| {
-            let response = crate::inspector::named(ui.text_edit_singleline(title), "title of the frame");
-            response.request_focus();
-            ui.horizontal(|ui| {
-                done = ui.button("Done").clicked() || ui.input(|input| input.key_pressed(egui::Key::Enter));
-                remove = ui.button("Remove frame").clicked();
-            });
-        });
-        if !done && !remove {
-            return;
-        }
-        let Some((_, title)) = self.title.take() else { return };
-        self.edit("frame", |document, _| {
-            let frames = &mut document.layout.frames;
-            match frames.get_mut(index) {
-                Some(_) if remove => {
-                    frames.remove(index);
-                }
-                Some(frame) => frame.title = title,
-                None => {}
-            }
-            Ok(())
-        });
-    }
-
     /// A wire that was refused: why, and what could stand between its ends.
     pub(super) fn refusal_ui(&mut self, ctx: &egui::Context) {
         let Some((refused, (from, to))) = self.refused.clone() else { return };

@@ -7,6 +7,7 @@ use orograph_engine::document::Link;
 use super::{
     App,
     search::{Loose, Search, port_for},
+    words::Whose,
 };
 use crate::canvas::Gesture;
 
@@ -46,11 +47,38 @@ impl App {
                 self.search = Some(Search::new(place, at, None));
             }
             Gesture::MoveFrame(index, offset) => self.move_frame(index, offset),
-            Gesture::RenameFrame(index) => {
-                let title = self.editing.document().layout.frames.get(index).map(|frame| frame.title.clone());
-                self.title = title.map(|title| (index, title));
+            Gesture::RenameFrame(index) => self.write(Whose::Frame(index)),
+            Gesture::MoveComment(index, (dx, dy)) => {
+                self.edit("move comment", |document, _| {
+                    if let Some(comment) = document.layout.comments.get_mut(index) {
+                        comment.at = (comment.at.0 + dx, comment.at.1 + dy);
+                    }
+                    Ok(())
+                });
+            }
+            Gesture::EditComment(index) => self.write(Whose::Comment(index)),
+            Gesture::Bend((from, to), through) => {
+                self.edit("bend wire", |document, _| {
+                    operations::bend(document, &from, &to, through);
+                    Ok(())
+                });
             }
         }
+    }
+
+    /// Leads the selected wires through a place halfway more, to be dragged from there.
+    pub(super) fn bend_chosen(&mut self) {
+        let wires: Vec<_> = self.canvas.wires.iter().cloned().collect();
+        let halves: Vec<_> = wires.iter().map(|wire| self.canvas.halfway(wire)).collect();
+        self.edit("bend wire", |document, _| {
+            for ((from, to), half) in wires.iter().zip(halves) {
+                let known = document.layout.bends.iter().find(|bend| bend.from == *from && bend.to == *to);
+                let mut through = known.map(|bend| bend.through.clone()).unwrap_or_default();
+                through.extend(half);
+                operations::bend(document, from, to, through);
+            }
+            Ok(())
+        });
     }
 
     pub(super) fn connect(&mut self, (from, to): (Link, Link)) {
@@ -70,7 +98,10 @@ impl App {
             let Some(frame) = document.layout.frames.get_mut(index) else { return Ok(()) };
             let (x, y, width, height) = frame.rect;
             frame.rect = (x + dx, y + dy, width, height);
-            for (px, py) in document.layout.nodes.values_mut() {
+            let layout = &mut document.layout;
+            let bends = layout.bends.iter_mut().flat_map(|bend| &mut bend.through);
+            let comments = layout.comments.iter_mut().map(|comment| &mut comment.at);
+            for (px, py) in layout.nodes.values_mut().chain(bends).chain(comments) {
                 if (x..=x + width).contains(px) && (y..=y + height).contains(py) {
                     (*px, *py) = (*px + dx, *py + dy);
                 }

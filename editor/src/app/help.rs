@@ -66,6 +66,7 @@ fn keys(ui: &mut egui::Ui) {
     ui.separator();
     ui.label("Drag from a port to wire it; let go over empty space to search for what fits.");
     ui.label("Drag over empty space to select; hold Ctrl to add, Shift to select wires.");
+    ui.label("Click a wire twice to bend it there; drag the bend, or click it twice to take it away.");
     ui.label("Drag with the middle button to move about; turn the wheel to enlarge.");
 }
 

@@ -17,6 +17,7 @@ mod recovery;
 mod search;
 mod sketch;
 mod variations;
+mod words;
 
 use std::{collections::HashMap, path::PathBuf, sync::Arc};
 
@@ -94,7 +95,7 @@ pub struct App {
     variations: Option<variations::Variations>,
     left: Vec<orograph_edit::Left>,
     watch: recovery::Watch,
-    title: Option<(usize, String)>,
+    words: Option<words::Words>,
     quit: bool,
     /// What the window is called now.
     called: String,
@@ -152,7 +153,7 @@ impl App {
             variations: None,
             left: Vec::new(),
             watch: recovery::Watch::default(),
-            title: None,
+            words: None,
             quit: false,
             called: String::new(),
             registry,
@@ -250,7 +251,7 @@ impl App {
     fn graph(&mut self, ui: &mut egui::Ui) {
         self.redraw();
         let document = self.editing.document().clone();
-        let gestures = self.canvas.show(ui, &self.drawn, &self.wires, &document.layout.frames);
+        let gestures = self.canvas.show(ui, &self.drawn, &self.wires, &document.layout);
         for gesture in gestures {
             self.gesture(ui.ctx(), gesture);
         }
@@ -281,7 +282,7 @@ impl App {
         self.refusal_ui(ctx);
         self.recovery_ui(ctx);
         self.closing_ui(ctx);
-        self.frame_title_ui(ctx);
+        self.words_ui(ctx);
         self.variations_ui(ctx);
         if let Some(page) = &self.help
             && !page.show(ctx)

@@ -72,6 +72,8 @@ impl Search {
             .order(egui::Order::Foreground)
             .fixed_pos(self.at)
             .constrain(true);
+        // The click that opened the list fell elsewhere.
+        let opened_now = self.fresh;
         let shown = area.show(ctx, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
                 ui.set_width(320.0);
@@ -113,7 +115,7 @@ impl Search {
                 });
             });
         });
-        if matches!(found, Found::Open) && shown.response.clicked_elsewhere() && !self.fresh {
+        if matches!(found, Found::Open) && shown.response.clicked_elsewhere() && !opened_now {
             found = Found::Closed;
         }
         found

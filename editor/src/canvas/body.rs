@@ -4,17 +4,56 @@ use eframe::egui::{self, Color32, RichText, vec2};
 use egui_graph::{FramedResponse, NodeCtx};
 use orograph_edit::Badge;
 
-use super::NodeView;
+use super::{NodeView, PortView};
 use crate::theme;
 
 /// Width of a node.
 pub(super) const WIDTH: f32 = 190.0;
 const THUMBNAIL: f32 = 96.0;
+const GAP: f32 = 3.0;
 
-pub(super) fn show(ctx: NodeCtx<'_>, node: &NodeView) -> FramedResponse<()> {
+/// Height of the title and of a row of ports, the same for all nodes, so that they keep their size from afar.
+const TITLE: f32 = 38.0;
+const ROW: f32 = 18.0;
+
+/// How a node was drawn.
+pub(super) enum Body {
+    /// With everything in it, which is this high.
+    Near(f32),
+    /// As a coloured block.
+    Afar,
+}
+
+/// A node too small to be read: its block and its ports, without words.
+pub(super) fn from_afar(ctx: NodeCtx<'_>, node: &NodeView, height: f32) -> FramedResponse<Body> {
+    ctx.framed(|ui, sockets| {
+        ui.spacing_mut().item_spacing.y = GAP;
+        let width = WIDTH - 20.0;
+        let (title, _) = ui.allocate_exact_size(vec2(width, TITLE), egui::Sense::hover());
+        ui.painter().rect_filled(title, 3.0, fill(ui, node));
+        for row in 0..node.inputs.len().max(node.outputs.len()) {
+            let at = |ports: &[PortView]| (row < ports.len()).then_some(row);
+            sockets.row(ui, at(&node.inputs), at(&node.outputs), |ui| {
+                ui.allocate_exact_size(vec2(width, ROW), egui::Sense::hover());
+            });
+        }
+        thumbnail(ui, node);
+        let rest = height - ui.min_rect().height() - GAP;
+        if rest > 0.0 {
+            let (rect, _) = ui.allocate_exact_size(vec2(width, rest), egui::Sense::hover());
+            if node.fault.is_some() || matches!(node.badge, Some(Badge::Failed(_))) {
+                ui.painter().rect_filled(rect, 2.0, theme::FAULT);
+            }
+        }
+        Body::Afar
+    })
+}
+
+/// A node with everything in it.
+pub(super) fn show(ctx: NodeCtx<'_>, node: &NodeView) -> FramedResponse<Body> {
     ctx.framed(|ui, sockets| {
         ui.set_width(WIDTH - 20.0);
-        ui.spacing_mut().item_spacing.y = 3.0;
+        ui.spacing_mut().item_spacing.y = GAP;
         title(ui, node);
         let rows = node.inputs.len().max(node.outputs.len());
         for row in 0..rows {
@@ -23,6 +62,7 @@ pub(super) fn show(ctx: NodeCtx<'_>, node: &NodeView) -> FramedResponse<()> {
             sockets.row(ui, at(input.is_some()), at(output.is_some()), |ui| {
                 ui.horizontal(|ui| {
                     ui.set_width(WIDTH - 20.0);
+                    ui.set_height(ROW);
                     if let Some(port) = input {
                         ui.add(egui::Label::new(RichText::new(&port.name).small()).selectable(false));
                     }
@@ -34,11 +74,7 @@ pub(super) fn show(ctx: NodeCtx<'_>, node: &NodeView) -> FramedResponse<()> {
                 });
             });
         }
-        if let Some(picture) = node.thumbnail {
-            ui.vertical_centered(|ui| {
-                ui.image(egui::load::SizedTexture::new(picture, vec2(THUMBNAIL, THUMBNAIL)));
-            });
-        }
+        thumbnail(ui, node);
         if !node.comment.is_empty() {
             ui.add(
                 egui::Label::new(RichText::new(&node.comment).italics().weak().small())
@@ -47,16 +83,32 @@ pub(super) fn show(ctx: NodeCtx<'_>, node: &NodeView) -> FramedResponse<()> {
             );
         }
         state(ui, node);
+        Body::Near(ui.min_rect().height())
     })
 }
 
-fn title(ui: &mut egui::Ui, node: &NodeView) {
+fn thumbnail(ui: &mut egui::Ui, node: &NodeView) {
+    if let Some(picture) = node.thumbnail {
+        ui.vertical_centered(|ui| {
+            ui.image(egui::load::SizedTexture::new(picture, vec2(THUMBNAIL, THUMBNAIL)));
+        });
+    }
+}
+
+fn fill(ui: &egui::Ui, node: &NodeView) -> Color32 {
     let dark = ui.visuals().dark_mode;
     let fill = if node.unknown { Color32::from_gray(90) } else { theme::family(&node.family, dark) };
-    let fill = if node.bypass { fill.gamma_multiply(0.35) } else { fill };
-    let frame = egui::Frame::new().fill(fill).corner_radius(3.0).inner_margin(egui::Margin::symmetric(6, 2));
+    if node.bypass { fill.gamma_multiply(0.35) } else { fill }
+}
+
+fn title(ui: &mut egui::Ui, node: &NodeView) {
+    let frame = egui::Frame::new()
+        .fill(fill(ui, node))
+        .corner_radius(3.0)
+        .inner_margin(egui::Margin::symmetric(6, 2));
     let response = frame.show(ui, |ui| {
         ui.set_width(WIDTH - 32.0);
+        ui.set_height(TITLE - 4.0);
         let text = RichText::new(&node.name).strong();
         let text = if node.bypass { text.strikethrough() } else { text };
         ui.add(egui::Label::new(text).selectable(false).truncate());

@@ -3,23 +3,29 @@
 //! The one place that knows the widget library for graphs. It is given what to draw in every frame and answers with
 //! [`Gesture`]s in the document's words, so another library would change this folder alone.
 
+mod arrange;
+mod background;
 mod body;
 mod overview;
+mod wheel;
+mod wires;
 
-use std::collections::HashSet;
+use std::collections::{HashMap, HashSet};
 
 use eframe::egui::{self, Pos2, Rect, Vec2, emath::TSTransform, pos2, vec2};
 use egui_graph::{
     NodeId, SocketKind,
-    edge::{Edge, EdgeShape},
     node::{EdgeEvent, Node as Widget},
 };
 use indexmap::{IndexMap, IndexSet};
 use orograph_core::ValueType;
 use orograph_edit::Badge;
-use orograph_engine::document::{Frame, Link};
+use orograph_engine::document::{Layout, Link};
 
 use crate::theme;
+use arrange::arrangement;
+use background::Held;
+use body::Body;
 
 /// A port as it is drawn.
 #[derive(Clone, Debug)]
@@ -87,6 +93,12 @@ pub enum Gesture {
     MoveFrame(usize, (f64, f64)),
     /// A frame's title was clicked twice.
     RenameFrame(usize),
+    /// A comment was moved.
+    MoveComment(usize, (f64, f64)),
+    /// A comment was clicked twice.
+    EditComment(usize),
+    /// A wire is led through these places.
+    Bend(Wire, Vec<(f64, f64)>),
 }
 
 /// The state of the view: where one looks, and what is selected.
@@ -101,10 +113,13 @@ pub struct Canvas {
     automatic: IndexMap<String, (f64, f64)>,
     from: Option<(String, SocketKind, usize)>,
     select: Option<HashSet<NodeId>>,
-    frame_drag: Option<(usize, Vec2)>,
+    held: Option<(Held, Vec2)>,
+    /// Heights of what nodes hold, as drawn from near.
+    heights: HashMap<String, f32>,
     /// From places in the graph to places in the window, of the last frame.
     to_window: TSTransform,
     rect: Option<Rect>,
+    wheel: wheel::Wheel,
     fit: bool,
 }
 
@@ -170,6 +185,15 @@ impl Canvas {
         arrangement(ctx, nodes, wires)
     }
 
+    /// A place halfway along a wire that runs straight.
+    #[must_use]
+    pub fn halfway(&self, (from, to): &Wire) -> Option<(f64, f64)> {
+        let start = *self.view.layout.get(&node_id(&from.node))? + vec2(body::WIDTH, 60.0);
+        let end = *self.view.layout.get(&node_id(&to.node))? + vec2(0.0, 60.0);
+        let half = start.lerp(end, 0.5);
+        Some((f64::from(half.x.round()), f64::from(half.y.round())))
+    }
+
     /// The least rectangle around nodes, by their drawn sizes.
     #[must_use]
     pub fn bounds(&self, ctx: &egui::Context, names: &[&str]) -> Option<((f64, f64), (f64, f64))> {
@@ -190,7 +214,7 @@ impl Canvas {
         ui: &mut egui::Ui,
         nodes: &[NodeView],
         wires: &[Wire],
-        frames: &[Frame],
+        layout: &Layout,
     ) -> Vec<Gesture> {
         self.rect = Some(ui.available_rect_before_wrap());
         let ctx = ui.ctx().clone();
@@ -202,14 +226,16 @@ impl Canvas {
         let index: IndexMap<NodeId, usize> =
             nodes.iter().enumerate().map(|(index, node)| (node_id(&node.name), index)).collect();
         let mut graph =
-            egui_graph::Graph::from_id(id()).zoom_range(0.1..=2.0).snap(Some(egui_graph::Snap::Round));
+            egui_graph::Graph::from_id(id()).zoom_range(wheel::SCALES).snap(Some(egui_graph::Snap::Round));
         if let Some(selection) = self.select.take() {
             graph = graph.selected_nodes(selection);
         }
         let mut view = std::mem::take(&mut self.view);
+        let turned = self.wheel.take(ui, self.rect());
         let response = graph.show(&mut view, ui, |ui, show| {
             self.to_window = ui.ctx().layer_transform_to_global(ui.layer_id()).unwrap_or_default();
-            self.frames(ui, frames, &mut gestures);
+            self.frames(ui, &layout.frames, &mut gestures);
+            self.comments(ui, &layout.comments, &mut gestures);
             let mut removed = Vec::new();
             let show = show.nodes(ui, |nodes_ctx, ui| {
                 for node in nodes {
@@ -219,9 +245,12 @@ impl Canvas {
             if !removed.is_empty() {
                 gestures.push(Gesture::Remove(removed));
             }
-            show.edges(ui, |edges_ctx, ui| self.edges(edges_ctx, ui, nodes, wires, &mut gestures));
+            show.edges(ui, |edges_ctx, ui| {
+                self.edges(edges_ctx, ui, nodes, wires, &layout.bends, &mut gestures);
+            });
         });
         self.view = view;
+        self.turn(&ctx, turned);
         if let Some(selected) = response.selection_changed {
             let names = nodes.iter().map(|node| &node.name);
             self.selection = names.filter(|name| selected.contains(&node_id(name))).cloned().collect();
@@ -239,6 +268,17 @@ impl Canvas {
             self.view.scene_rect = rect;
         }
         gestures
+    }
+
+    /// Enlarges by the wheel.
+    fn turn(&mut self, ctx: &egui::Context, turned: f32) {
+        if turned != 0.0
+            && let Some(pos) = ctx.input(|input| input.pointer.latest_pos())
+        {
+            let at = self.to_window.inverse() * pos;
+            self.view.scene_rect = wheel::enlarged(self.view.scene_rect, at, self.to_window.scaling, turned);
+            ctx.request_repaint();
+        }
     }
 
     /// Clicks beside the nodes.
@@ -277,13 +317,16 @@ impl Canvas {
     }
 
     fn rects(&self, ctx: &egui::Context, nodes: &[NodeView]) -> Vec<(Rect, egui::Color32)> {
-        let (sizes, dark) = (sizes(ctx), ctx.global_style().visuals.dark_mode);
-        let rect = |node: &NodeView| {
-            let id = node_id(&node.name);
-            let size = sizes.get(&id).copied().unwrap_or(DEFAULT_SIZE);
-            Some((Rect::from_min_size(*self.view.layout.get(&id)?, size), theme::family(&node.family, dark)))
-        };
-        nodes.iter().filter_map(rect).collect()
+        let dark = ctx.global_style().visuals.dark_mode;
+        egui_graph::with_graph_memory(ctx, id(), |memory| {
+            let rect = |node: &NodeView| {
+                let id = node_id(&node.name);
+                let size = memory.node_sizes().get(&id).copied().unwrap_or(DEFAULT_SIZE);
+                let rect = Rect::from_min_size(*self.view.layout.get(&id)?, size);
+                Some((rect, theme::family(&node.family, dark)))
+            };
+            nodes.iter().filter_map(rect).collect()
+        })
     }
 
     fn look_at_all(&mut self, ctx: &egui::Context, nodes: &[NodeView]) {
@@ -295,51 +338,6 @@ impl Canvas {
         self.view.scene_rect = Rect::from_center_size(all.center(), size);
     }
 
-    fn frames(&mut self, ui: &mut egui::Ui, frames: &[Frame], gestures: &mut Vec<Gesture>) {
-        for (index, frame) in frames.iter().enumerate() {
-            let (x, y, width, height) = frame.rect;
-            let mut rect = Rect::from_min_size(pos2(x as f32, y as f32), vec2(width as f32, height as f32));
-            if let Some((_, offset)) = self.frame_drag.filter(|(dragged, _)| *dragged == index) {
-                rect = rect.translate(offset);
-            }
-            let visuals = ui.visuals();
-            ui.painter().rect(
-                rect,
-                6.0,
-                visuals.faint_bg_color.gamma_multiply(1.5),
-                egui::Stroke::new(1.0, visuals.weak_text_color()),
-                egui::StrokeKind::Inside,
-            );
-            let bar = Rect::from_min_size(rect.min, vec2(rect.width(), 24.0));
-            ui.painter().text(
-                bar.min + vec2(8.0, 4.0),
-                egui::Align2::LEFT_TOP,
-                &frame.title,
-                egui::FontId::proportional(15.0),
-                visuals.strong_text_color(),
-            );
-            let response = ui.interact(bar, id().with(("frame", index)), egui::Sense::click_and_drag());
-            response.widget_info(|| {
-                egui::WidgetInfo::labeled(egui::WidgetType::Button, true, format!("frame {}", frame.title))
-            });
-            if response.double_clicked() {
-                gestures.push(Gesture::RenameFrame(index));
-            }
-            if response.dragged() {
-                let so_far = self
-                    .frame_drag
-                    .filter(|(dragged, _)| *dragged == index)
-                    .map_or(Vec2::ZERO, |drag| drag.1);
-                self.frame_drag = Some((index, so_far + response.drag_delta()));
-            }
-            if response.drag_stopped()
-                && let Some((_, offset)) = self.frame_drag.take()
-            {
-                gestures.push(Gesture::MoveFrame(index, (f64::from(offset.x), f64::from(offset.y))));
-            }
-        }
-    }
-
     fn node(
         &mut self,
         nodes_ctx: &mut egui_graph::NodesCtx<'_>,
@@ -349,6 +347,7 @@ impl Canvas {
         gestures: &mut Vec<Gesture>,
         removed: &mut Vec<String>,
     ) {
+        let known = self.heights.get(&node.name).copied();
         let response = Widget::from_id(node_id(&node.name))
             .inputs(node.inputs.len())
             .outputs(node.outputs.len())
@@ -357,7 +356,13 @@ impl Canvas {
             .socket_color(egui::Color32::TRANSPARENT)
             .socket_radius(5.0)
             .animation_time(0.0)
-            .show_or_cull(nodes_ctx, ui, |ctx| body::show(ctx, node));
+            .show_or_cull(nodes_ctx, ui, |ctx| match (self.to_window.scaling < FAR, known) {
+                (true, Some(height)) => body::from_afar(ctx, node, height),
+                _ => body::show(ctx, node),
+            });
+        if let Some(Body::Near(height)) = response.inner() {
+            self.heights.insert(node.name.clone(), *height);
+        }
         let ports = [("input", &node.inputs), ("output", &node.outputs)];
         let sockets = response.sockets();
         let responses = sockets
@@ -390,134 +395,14 @@ impl Canvas {
             removed.push(node.name.clone());
         }
     }
-
-    fn ended(
-        &mut self,
-        node: &NodeView,
-        kind: SocketKind,
-        index: usize,
-        nodes: &[NodeView],
-        gestures: &mut Vec<Gesture>,
-    ) {
-        let Some((from, _, start)) = self.from.take() else { return };
-        let Some(from) = nodes.iter().find(|other| other.name == from) else { return };
-        let (source, output, target, input) = match kind {
-            SocketKind::Input => (from, start, node, index),
-            SocketKind::Output => (node, index, from, start),
-        };
-        if let (Some(output), Some(input)) = (source.outputs.get(output), target.inputs.get(input)) {
-            let wire = (Link::new(&source.name, &output.name), Link::new(&target.name, &input.name));
-            gestures.push(Gesture::Connect(wire));
-        }
-    }
-
-    /// A wire that was let go over empty space asks what to put there.
-    fn dropped(&mut self, ui: &egui::Ui, nodes: &[NodeView], gestures: &mut Vec<Gesture>) {
-        let Some((name, kind, index)) = self.from.take() else { return };
-        let Some(node) = nodes.iter().find(|node| node.name == name) else { return };
-        let is_output = matches!(kind, SocketKind::Output);
-        let ports = if is_output { &node.outputs } else { &node.inputs };
-        let (Some(port), Some(pos)) = (ports.get(index), ui.input(|input| input.pointer.latest_pos())) else {
-            return;
-        };
-        gestures.push(Gesture::DropWire(Link::new(name, &port.name), is_output, self.place_at(pos)));
-    }
-
-    fn edges(
-        &mut self,
-        edges_ctx: &mut egui_graph::EdgesCtx,
-        ui: &mut egui::Ui,
-        nodes: &[NodeView],
-        wires: &[Wire],
-        gestures: &mut Vec<Gesture>,
-    ) {
-        let by_name: IndexMap<&str, &NodeView> =
-            nodes.iter().map(|node| (node.name.as_str(), node)).collect();
-        let mut gone = Vec::new();
-        for wire @ (from, to) in wires {
-            let (Some(source), Some(target)) =
-                (by_name.get(from.node.as_str()), by_name.get(to.node.as_str()))
-            else {
-                continue;
-            };
-            let output = source.outputs.iter().position(|port| port.name == from.port);
-            let input = target.inputs.iter().position(|port| port.name == to.port);
-            let (Some(output), Some(input)) = (output, input) else { continue };
-            let colour = theme::wire(source.outputs[output].value_type);
-            let mut selected = self.wires.contains(wire);
-            let ends = ((node_id(&from.node), output), (node_id(&to.node), input));
-            let response = Edge::new(ends.0, ends.1, &mut selected)
-                .shape(EdgeShape::DEFAULT)
-                .stroke(egui::Stroke::new(2.0, colour))
-                .hovered_stroke(egui::Stroke::new(3.0, colour))
-                .selected_stroke(egui::Stroke::new(4.0, colour))
-                .show(edges_ctx, ui);
-            if response.deleted() {
-                gone.push(wire.clone());
-            } else if response.changed() {
-                match selected {
-                    true => self.wires.insert(wire.clone()),
-                    false => self.wires.shift_remove(wire),
-                };
-            }
-        }
-        if !gone.is_empty() {
-            gestures.push(Gesture::Disconnect(gone));
-        }
-        if let Some(edge) = edges_ctx.in_progress(ui) {
-            edge.show(ui, EdgeShape::DEFAULT);
-        }
-        // Over the widget's own sockets, which have one colour for a whole node.
-        for node in nodes {
-            let id = node_id(&node.name);
-            for (index, port) in node.inputs.iter().enumerate() {
-                if let Some((pos, _)) = edges_ctx.input(ui, id, index) {
-                    ui.painter().circle_filled(pos, 5.0, theme::wire(port.value_type));
-                }
-            }
-            for (index, port) in node.outputs.iter().enumerate() {
-                if let Some((pos, _)) = edges_ctx.output(ui, id, index) {
-                    ui.painter().circle_filled(pos, 5.0, theme::wire(port.value_type));
-                }
-            }
-        }
-    }
 }
+
+/// Below this scale nobody reads what stands in a node.
+const FAR: f32 = 0.4;
 
 /// The size of a node that was not drawn yet.
 const DEFAULT_SIZE: Vec2 = Vec2::new(body::WIDTH, 110.0);
 
 fn sizes(ctx: &egui::Context) -> std::collections::HashMap<NodeId, Vec2> {
     egui_graph::with_graph_memory(ctx, id(), |memory| memory.node_sizes().clone())
-}
-
-/// A layered layout, wires running to the right.
-fn arrangement(ctx: &egui::Context, nodes: &[NodeView], wires: &[Wire]) -> Vec<(String, (f64, f64))> {
-    let sizes = sizes(ctx);
-    let by_name: IndexMap<&str, &NodeView> = nodes.iter().map(|node| (node.name.as_str(), node)).collect();
-    let boxes = nodes.iter().map(|node| {
-        let guess = vec2(body::WIDTH, 70.0 + 22.0 * node.inputs.len().max(node.outputs.len()) as f32);
-        let size = sizes.get(&node_id(&node.name)).copied().unwrap_or(guess);
-        let size = [size.x, size.y];
-        let layout_node = egui_graph::LayoutNode::new(size)
-            .inputs(node.inputs.len())
-            .outputs(node.outputs.len())
-            .flow(egui::Direction::LeftToRight);
-        (node_id(&node.name), layout_node)
-    });
-    let ends = wires.iter().filter_map(|(from, to)| {
-        let output =
-            by_name.get(from.node.as_str())?.outputs.iter().position(|port| port.name == from.port)?;
-        let input = by_name.get(to.node.as_str())?.inputs.iter().position(|port| port.name == to.port)?;
-        Some(((node_id(&from.node), output), (node_id(&to.node), input)))
-    });
-    let params = egui_graph::LayoutParams::new(egui::Direction::LeftToRight).layer_gap(70.0).node_gap(28.0);
-    let (layout, _) = egui_graph::layout_routed(boxes, ends, params);
-    nodes
-        .iter()
-        .filter_map(|node| {
-            let pos = layout.get(&node_id(&node.name))?;
-            Some((node.name.clone(), (f64::from(pos.x.round()), f64::from(pos.y.round()))))
-        })
-        .collect()
 }

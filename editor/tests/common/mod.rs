@@ -1,6 +1,8 @@
 //! An editor without a window. A helper that fails is a test that fails.
 #![allow(clippy::unwrap_used, dead_code)]
 
+pub(crate) mod hand;
+
 use std::{
     fs,
     path::{Path, PathBuf},
@@ -77,7 +79,13 @@ impl Place {
 }
 
 pub(crate) fn open(start: Start) -> Editor {
-    let mut editor = Harness::builder().with_size(vec2(1500.0, 1000.0)).with_max_steps(200).build_ui_state(
+    open_at(start, 4.0)
+}
+
+/// An editor that draws so many frames a second of its time.
+pub(crate) fn open_at(start: Start, frames: f32) -> Editor {
+    let harness = Harness::builder().with_size(vec2(1500.0, 1000.0)).with_step_dt(1.0 / frames);
+    let mut editor = harness.with_max_steps(200).build_ui_state(
         |ui, window: &mut Window| {
             if let Some(start) = window.start.take() {
                 window.app = Some(App::new(ui.ctx(), start));

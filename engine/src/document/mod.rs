@@ -198,13 +198,17 @@ impl Node {
     }
 }
 
-/// Positions and frames on an editor's canvas; they never change a result.
+/// What stands where on an editor's canvas; it never changes a result.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     /// Where nodes stand.
     pub nodes: IndexMap<String, (f64, f64)>,
     /// Titled rectangles behind them.
     pub frames: Vec<Frame>,
+    /// Words between the nodes.
+    pub comments: Vec<Comment>,
+    /// Wires that do not run straight.
+    pub bends: Vec<Bend>,
 }
 
 /// A titled rectangle.
@@ -214,6 +218,26 @@ pub struct Frame {
     pub title: String,
     /// Left, top, width, height.
     pub rect: (f64, f64, f64, f64),
+}
+
+/// Words on the canvas, about no node in particular.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Comment {
+    /// The words.
+    pub text: String,
+    /// Their left and top.
+    pub at: (f64, f64),
+}
+
+/// The places that a wire is led through on its way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Bend {
+    /// The output that the wire starts from.
+    pub from: Link,
+    /// The input that it ends at.
+    pub to: Link,
+    /// The places, in the wire's direction.
+    pub through: Vec<(f64, f64)>,
 }
 
 /// Equal when they say the same, wherever they were read from and in whichever order.

@@ -3,8 +3,8 @@
 use indexmap::IndexMap;
 
 use super::{
-    Body, Document, DocumentError, DocumentErrors, Exposed, FORMAT, Frame, GRAPH, GraphInput, Layout, Link,
-    Literal, Node, SourceText, is_name,
+    Bend, Body, Comment, Document, DocumentError, DocumentErrors, Exposed, FORMAT, Frame, GRAPH, GraphInput,
+    Layout, Link, Literal, Node, SourceText, is_name,
     syntax::{Entry, Shape, Tree},
     types::value_type,
 };
@@ -369,22 +369,66 @@ impl<'a> Reader<'a> {
     }
 
     fn layout(&mut self, tree: &Tree) -> Layout {
-        let fields = self.fields(tree, "`(nodes: {…}, frames: […])`", &["nodes", "frames"]);
+        const FIELDS: [&str; 4] = ["nodes", "frames", "comments", "bends"];
+        let fields = self.fields(tree, "`(nodes: {…}, frames: […])`", &FIELDS);
         let mut layout = Layout::default();
         if let Some(entry) = fields.get("nodes") {
             layout.nodes = self.named(&entry.value, "a map of positions", |reader, _, tree| {
                 reader.numbers(tree).map(|[x, y]| (x, y))
             });
         }
-        if let Some(entry) = fields.get("frames") {
-            match &entry.value.shape {
-                Shape::List(items) => {
-                    layout.frames = items.iter().filter_map(|item| self.frame(item)).collect();
-                }
-                _ => self.expected(&entry.value, "a list of frames"),
+        layout.frames = self.list(fields.get("frames").copied(), "a list of frames", Self::frame);
+        layout.comments = self.list(fields.get("comments").copied(), "a list of comments", Self::comment);
+        layout.bends = self.list(fields.get("bends").copied(), "a list of bent wires", Self::bend);
+        layout
+    }
+
+    fn list<T>(
+        &mut self,
+        entry: Option<&Entry>,
+        what: &str,
+        mut item: impl FnMut(&mut Self, &Tree) -> Option<T>,
+    ) -> Vec<T> {
+        let Some(entry) = entry else { return Vec::new() };
+        match &entry.value.shape {
+            Shape::List(items) => items.iter().filter_map(|tree| item(self, tree)).collect(),
+            _ => {
+                self.expected(&entry.value, what);
+                Vec::new()
             }
         }
-        layout
+    }
+
+    /// A field without which its struct says nothing.
+    fn needed<'t>(
+        &mut self,
+        tree: &Tree,
+        fields: &IndexMap<&str, &'t Entry>,
+        name: &str,
+    ) -> Option<&'t Tree> {
+        let field = fields.get(name);
+        if field.is_none() && tree.entries().is_some() {
+            self.report(tree, format!("`{name}` is missing here"), None);
+        }
+        field.map(|entry| &entry.value)
+    }
+
+    fn comment(&mut self, tree: &Tree) -> Option<Comment> {
+        let fields = self.fields(tree, "`(text: \"…\", at: (x, y))`", &["text", "at"]);
+        let (text, at) = (self.needed(tree, &fields, "text"), self.needed(tree, &fields, "at"));
+        let (text, [x, y]) = (self.string(text?)?, self.numbers(at?)?);
+        Some(Comment { text, at: (x, y) })
+    }
+
+    fn bend(&mut self, tree: &Tree) -> Option<Bend> {
+        let what = "`(from: \"node.output\", to: \"node.input\", through: [(x, y), …])`";
+        let fields = self.fields(tree, what, &["from", "to", "through"]);
+        let (from, to) = (self.needed(tree, &fields, "from"), self.needed(tree, &fields, "to"));
+        let (from, to) = (self.link(from?, "node.output")?, self.link(to?, "node.input")?);
+        let through = self.list(fields.get("through").copied(), "a list of places", |reader, tree| {
+            reader.numbers(tree).map(|[x, y]| (x, y))
+        });
+        Some(Bend { from, to, through })
     }
 
     fn frame(&mut self, tree: &Tree) -> Option<Frame> {
@@ -393,13 +437,8 @@ impl<'a> Reader<'a> {
             Some(entry) => self.string(&entry.value)?,
             None => String::new(),
         };
-        let Some(entry) = fields.get("rect") else {
-            if tree.entries().is_some() {
-                self.report(tree, "`rect` is missing here", None);
-            }
-            return None;
-        };
-        let [x, y, width, height] = self.numbers(&entry.value)?;
+        let rect = self.needed(tree, &fields, "rect")?;
+        let [x, y, width, height] = self.numbers(rect)?;
         Some(Frame { title, rect: (x, y, width, height) })
     }
 }

@@ -2,7 +2,10 @@
 
 use std::fmt::Write;
 
-use super::{Body, Document, FORMAT, Link, Literal, Node, canonical_header, quote, syntax::is_space};
+use super::{
+    Bend, Body, Comment, Document, FORMAT, Layout, Link, Literal, Node, canonical_header, quote,
+    syntax::is_space,
+};
 use crate::Registry;
 
 /// A line longer than this is broken into one setting or wire a line.
@@ -151,7 +154,7 @@ impl Writer {
 
     fn layout(&mut self, document: &Document) {
         let layout = &document.layout;
-        if layout.nodes.is_empty() && layout.frames.is_empty() {
+        if *layout == Layout::default() {
             return;
         }
         self.line(1, "layout: (");
@@ -168,6 +171,22 @@ impl Writer {
                 let (x, y, width, height) = frame.rect;
                 let title = quote(&frame.title);
                 self.line(3, &format!("(title: {title}, rect: ({x:?}, {y:?}, {width:?}, {height:?})),"));
+            }
+            self.line(2, "],");
+        }
+        if !layout.comments.is_empty() {
+            self.line(2, "comments: [");
+            for Comment { text, at: (x, y) } in &layout.comments {
+                self.line(3, &format!("(text: {}, at: ({x:?}, {y:?})),", quote(text)));
+            }
+            self.line(2, "],");
+        }
+        if !layout.bends.is_empty() {
+            self.line(2, "bends: [");
+            for Bend { from, to, through } in &layout.bends {
+                let places: Vec<_> = through.iter().map(|(x, y)| format!("({x:?}, {y:?})")).collect();
+                let (from, to) = (quote(&from.to_string()), quote(&to.to_string()));
+                self.line(3, &format!("(from: {from}, to: {to}, through: [{}]),", places.join(", ")));
             }
             self.line(2, "],");
         }
