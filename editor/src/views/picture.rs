@@ -70,6 +70,7 @@ impl Picture {
         if let Some(pos) = response.hover_pos()
             && let Some(text) = probe.tell(share(place, pos), self.reach(place))
         {
+            ui.ctx().accesskit_node_builder(response.id, |node| node.set_value(text.clone()));
             tell(ui, rect, response.id.with("probe"), text);
         }
         asked
