@@ -8,8 +8,8 @@ use super::{
     relief::Relief,
 };
 
-/// Light where the sun does not shine.
-const SHADE: f32 = 0.4;
+/// Light where the sun does not shine, on bare ground, and on pictures, most of which are shaded already.
+const SHADE: (f32, f32) = (0.35, 0.6);
 /// Of the light on walls, so that they do not look like ground.
 const WALL: f32 = 0.55;
 
@@ -23,7 +23,7 @@ pub(super) fn mesh(
 ) -> Mesh {
     let exaggeration = stand.exaggeration;
     let camera = Camera::new(stand, rect, relief.bounds(exaggeration));
-    let sun = stand.sun_direction();
+    let (sun, shade) = (stand.sun_direction(), if texture.is_some() { SHADE.1 } else { SHADE.0 });
     let (rows, cols) = (relief.rows(), relief.cols());
     let mut mesh = texture.map_or_else(Mesh::default, Mesh::with_texture);
     mesh.vertices.reserve(rows * cols);
@@ -36,7 +36,7 @@ pub(super) fn mesh(
             let point = relief.point(row, col, exaggeration);
             // No triangle takes the corner that a void is.
             let pos = if point.z.is_nan() { Pos2::ZERO } else { camera.place(point) };
-            let light = brightness(normals[row * cols + col], sun);
+            let light = brightness(normals[row * cols + col], sun, shade);
             mesh.vertices.push(Vertex { pos, uv: uv(row, col), color: grey(light) });
         }
     }
@@ -79,7 +79,7 @@ fn walls(
         (camera.eye.x > east, Vec3::X, along_col(cols - 1)),
     ];
     for (_, normal, border) in sides.into_iter().filter(|(faces, ..)| *faces) {
-        let color = grey(brightness(normal, sun) * WALL);
+        let color = grey(brightness(normal, sun, SHADE.0) * WALL);
         let first = mesh.vertices.len();
         for (row, col) in &border {
             let top = relief.point(*row, *col, stand.exaggeration);
@@ -100,8 +100,8 @@ fn walls(
     }
 }
 
-fn brightness(normal: Vec3, sun: Vec3) -> f32 {
-    SHADE + (1.0 - SHADE) * normal.dot(sun).max(0.0)
+fn brightness(normal: Vec3, sun: Vec3, shade: f32) -> f32 {
+    shade + (1.0 - shade) * normal.dot(sun).max(0.0)
 }
 
 fn grey(light: f32) -> Color32 {
