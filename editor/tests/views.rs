@@ -210,6 +210,11 @@ fn arrows_walk_around_ground_that_was_clicked() {
     press(&mut editor, NONE, Key::ArrowUp);
     assert!(editor.query_by_label("seen from 205°, 40° up").is_some());
     assert_eq!(editor.state().app().selection(), ["slope"], "the arrows are the view's");
+    // All other keys are still those of the window.
+    press(&mut editor, NONE, Key::B);
+    assert!(editor.state().app().document().nodes["slope"].bypass);
+    press(&mut editor, Modifiers::COMMAND, Key::Z);
+    assert!(!editor.state().app().document().nodes["slope"].bypass);
 }
 
 #[test]

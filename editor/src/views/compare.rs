@@ -2,11 +2,11 @@
 
 use std::ops::RangeInclusive;
 
-use eframe::egui::{self, Align, Color32, CursorIcon, Key, Rect, Sense, Stroke, pos2, vec2};
+use eframe::egui::{self, Align, Color32, CursorIcon, Rect, Sense, Stroke, pos2, vec2};
 use orograph_core::Grid;
 use orograph_engine::Registry;
 
-use super::{Asked, Offer, Pane, Tool, ground::Stand, picture, probe::Probe, view::View};
+use super::{Asked, Offer, Pane, Tool, ground::Stand, keys, picture, probe::Probe, view::View};
 
 /// Where the line between two pictures may stand, in shares of the view.
 const LINE: RangeInclusive<f32> = 0.02..=0.98;
@@ -156,17 +156,7 @@ impl Compare {
         {
             self.line = (pos.x - rect.left()) / rect.width().max(1.0);
         }
-        if response.clicked() {
-            response.request_focus();
-        }
-        if response.has_focus() {
-            let filter = egui::EventFilter { horizontal_arrows: true, ..egui::EventFilter::default() };
-            ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
-            let steps = ui.input(|input| {
-                input.num_presses(Key::ArrowRight) as f32 - input.num_presses(Key::ArrowLeft) as f32
-            });
-            self.line += STEP * steps;
-        }
+        self.line += STEP * keys::held(ui, &response).arrows.x;
         self.line = self.line.clamp(*LINE.start(), *LINE.end());
         if response.hovered() || response.dragged() {
             ui.set_cursor_icon(CursorIcon::ResizeHorizontal);

@@ -71,7 +71,7 @@ mod tests {
     fn numbers_have_the_digits_that_tell_something() {
         assert_eq!(readable(3.0), "3");
         assert_eq!(readable(-0.0), "0");
-        assert_eq!(readable(1234.567_891), "1234.57");
+        assert_eq!(readable(1_234.567_891), "1234.57");
         assert_eq!(readable(0.012_345_678), "0.0123457");
         assert_eq!(readable(1.5e-9), "1.500e-9");
         assert_eq!(readable(f64::NAN), "void");
