@@ -80,15 +80,9 @@ struct Window {
 impl Window {
     fn new(file: PathBuf) -> Self {
         let ctx = egui::Context::default();
-        let start = Start {
-            registry: Arc::new(orograph_session::built_in().expect("node types")),
-            evaluator: Arc::new(Evaluator::new(Cache::new(1 << 30, None), 0).expect("threads")),
-            file: Some(file),
-            recoveries: None,
-            out: PathBuf::from("out"),
-            notes: Vec::new(),
-            dialogs: Arc::new(|_, _| None),
-        };
+        let registry = Arc::new(orograph_session::built_in().expect("node types"));
+        let evaluator = Arc::new(Evaluator::new(Cache::new(1 << 30, None), 0).expect("threads"));
+        let start = Start { file: Some(file), ..Start::with(registry, evaluator) };
         let app = App::new(&ctx, start);
         Self { ctx, app, events: Vec::new(), time: 0.0 }
     }

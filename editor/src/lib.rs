@@ -10,4 +10,4 @@ pub mod inspector;
 pub mod theme;
 pub mod views;
 
-pub use app::{App, Command, Dialogs, Question, Start};
+pub use app::{App, Command, Dialogs, PluginLoader, Question, Start};

@@ -6,7 +6,7 @@ use clap::Parser;
 use eframe::egui;
 use etcetera::BaseStrategy;
 use orograph_editor::{App, Dialogs, Question, Start};
-use orograph_session::{PluginOptions, Settings, settings::Theme};
+use orograph_session::{PluginOptions, Settings};
 
 /// The node editor of Orograph.
 #[derive(Parser)]
@@ -49,7 +49,7 @@ fn main() -> ExitCode {
 fn run(arguments: Arguments) -> Result<(), String> {
     let mut notes = Vec::new();
     let settings = Settings::load().unwrap_or_else(|error| {
-        notes.push(error.to_string());
+        notes.push(error.in_words());
         Settings::default()
     });
     let cache = settings.cache_folder(arguments.cache.as_deref());
@@ -67,6 +67,10 @@ fn run(arguments: Arguments) -> Result<(), String> {
     notes.extend(warning);
     let start = Start {
         registry: Arc::new(registry),
+        found,
+        plugins: Arc::new(move |settings| orograph_session::registry(&options, settings)),
+        settings,
+        settings_file: Settings::file(),
         evaluator: Arc::new(evaluator),
         file: arguments.graph,
         recoveries: recoveries(),
@@ -79,11 +83,6 @@ fn run(arguments: Arguments) -> Result<(), String> {
         ..eframe::NativeOptions::default()
     };
     let create = move |creation: &eframe::CreationContext<'_>| {
-        creation.egui_ctx.set_theme(match settings.theme {
-            Theme::System => egui::ThemePreference::System,
-            Theme::Light => egui::ThemePreference::Light,
-            Theme::Dark => egui::ThemePreference::Dark,
-        });
         Ok(Box::new(App::new(&creation.egui_ctx, start)) as Box<dyn eframe::App>)
     };
     eframe::run_native("orograph-editor", options, Box::new(create)).map_err(|error| error.to_string())
@@ -110,6 +109,7 @@ fn dialogs() -> Dialogs {
             Question::Save => dialog.add_filter("Graphs", &["ron"]).save_file(),
             Question::Input => dialog.pick_file(),
             Question::Output => dialog.save_file(),
+            Question::Folder => dialog.pick_folder(),
         }
     })
 }

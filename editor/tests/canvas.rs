@@ -8,7 +8,8 @@ use std::fs;
 use common::{
     Editor, Place, at, click, copied, drag,
     hand::{
-        HELD_CTRL, boxed, button, choosing, click_with, double_click, in_window, menu, rect, until, write,
+        HELD_CTRL, boxed, button, choose, choosing, click_with, double_click, in_window, menu, rect, until,
+        write,
     },
     open, press, read, select, settle, title,
 };
@@ -180,6 +181,35 @@ fn arranging_lets_wires_run_to_the_right_and_nodes_stand_apart() {
 }
 
 #[test]
+fn nodes_that_nobody_placed_stand_apart_with_their_pictures() {
+    let place = Place::new();
+    let (start, end) = (common::CHAIN.find("    layout").unwrap(), common::CHAIN.rfind(')').unwrap());
+    fs::write(&place.graph, format!("{}{}", &common::CHAIN[..start], &common::CHAIN[end..])).unwrap();
+    let mut editor = open(place.start());
+    press(&mut editor, CTRL.plus(Modifiers::SHIFT), Key::A);
+    // A frame holds the nodes as they are drawn; one around each tells where it stands.
+    let mut frames = Vec::new();
+    for port in ["hills.terrain", "soft.terrain", "high.mask", "shade.picture"] {
+        let pos = at(&editor, &format!("output {port}"))
+            - vec2(60.0, 0.0) * editor.state().app().to_window().scaling;
+        click(&mut editor, pos);
+        assert_eq!(editor.state().app().selection(), [port.split('.').next().unwrap()]);
+        press(&mut editor, NONE, Key::F);
+        press(&mut editor, NONE, Key::Enter);
+        frames.push(editor.state().app().document().layout.frames.last().unwrap().rect);
+    }
+    // Frames have margins of 24, and a title of 28 above them.
+    let inner = frames.iter().map(|(x, y, width, height)| (x + 24.0, y + 52.0, width - 48.0, height - 76.0));
+    let inner: Vec<_> = inner.collect();
+    for (index, a) in inner.iter().enumerate() {
+        for b in &inner[index + 1..] {
+            let apart = a.0 + a.2 <= b.0 || b.0 + b.2 <= a.0 || a.1 + a.3 <= b.1 || b.1 + b.3 <= a.1;
+            assert!(apart, "{a:?} and {b:?}");
+        }
+    }
+}
+
+#[test]
 fn a_node_is_dissolved_and_its_wires_are_joined() {
     let place = Place::new();
     let mut editor = open(place.start());
@@ -315,6 +345,20 @@ fn show_all_brings_every_node_into_view_and_a_click_in_the_overview_looks_there(
 }
 
 #[test]
+fn an_empty_window_shows_its_first_node_as_large_as_drawn() {
+    let place = Place::new();
+    let mut start = place.start();
+    start.file = None;
+    let mut editor = open(start);
+    press(&mut editor, NONE, Key::Tab);
+    editor.get_by_label("search nodes").type_text("fbm");
+    editor.run_steps(3);
+    press(&mut editor, NONE, Key::Enter);
+    assert!(editor.query_by_role_and_label(Role::Button, "output fbm.terrain").is_some());
+    assert!((editor.state().app().to_window().scaling - 1.0).abs() < 0.01);
+}
+
+#[test]
 fn a_node_of_an_unknown_type_is_a_placeholder_in_words_and_saved_back_as_it_was() {
     let place = Place::new();
     let odd = r#""odd": (node: "acme.magic", version: 3, params: (power: 9), inputs: {"in": "hills.terrain"}, plugin: "Acme"),"#;
@@ -339,9 +383,7 @@ fn the_edit_menu_copies_cuts_pastes_and_duplicates() {
     let place = Place::new();
     let mut editor = open(place.start());
     select(&mut editor, "high");
-    editor.get_by_role_and_label(Role::Button, "Edit").click();
-    editor.run_steps(3);
-    editor.get_by_role_and_label(Role::Button, "Copy").click();
+    choose(&mut editor, "Edit", "Copy");
     let mut text = None;
     for _ in 0..6 {
         editor.run_steps(1);
@@ -352,9 +394,7 @@ fn the_edit_menu_copies_cuts_pastes_and_duplicates() {
     menu(&mut editor, "Edit", "Cut");
     assert!(!editor.state().app().document().nodes.contains_key("high"));
     // The window asks the system for what the clipboard holds, and the system answers with an event.
-    editor.get_by_role_and_label(Role::Button, "Edit").click();
-    editor.run_steps(3);
-    editor.get_by_role_and_label(Role::Button, "Paste").click();
+    choose(&mut editor, "Edit", "Paste");
     let mut wanted = false;
     for _ in 0..6 {
         editor.run_steps(1);

@@ -7,7 +7,7 @@ use std::fs;
 
 use common::{
     Editor, Place,
-    hand::{button, click_with, in_picture, menu, rect, rest},
+    hand::{button, click_with, menu, rect},
     open, press, select, settle,
 };
 use eframe::egui::{Key, Modifiers, PointerButton, accesskit::Role, vec2};
@@ -95,23 +95,6 @@ fn another_look_is_chosen_from_those_that_fit() {
     let shown = editor.get_by_role_and_label(Role::ComboBox, "look of view").value();
     assert_eq!(shown.as_deref(), Some("colour relief"));
     assert!(image(&editor, "picture view"));
-}
-
-#[test]
-fn a_picture_tells_the_height_under_the_pointer() {
-    let place = Place::new();
-    let mut editor = open(place.start());
-    select(&mut editor, "soft");
-    let Some(Value::Heightfield(terrain)) = editor.state().app().shown().cloned() else { panic!("terrain") };
-    let pos = in_picture(&editor, "view", 0.5, 0.25);
-    rest(&mut editor, pos);
-    let picture = editor.get_by_role_and_label(Role::Image, "picture view");
-    let told = picture.value().unwrap();
-    let near = |row: usize, col: usize| told.contains(&format!("{:.2} m", terrain.at(row, col)));
-    assert!(
-        (126..=130).any(|row| (254..=258).any(|col| near(row, col))),
-        "row 128 and column 256, or beside it: {told}"
-    );
 }
 
 #[test]

@@ -76,6 +76,21 @@ fn saving_keeps_the_words_above_the_graph_and_asks_before_it_overwrites() {
 }
 
 #[test]
+fn what_someone_else_wrote_is_written_over_when_the_user_says_so() {
+    let place = Place::new();
+    let mut editor = open(place.start());
+    select(&mut editor, "soft");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    fs::write(&place.graph, "(format: 1, nodes: {})").unwrap();
+    press(&mut editor, CTRL, Key::S);
+    assert_eq!(read(&place.graph), b"(format: 1, nodes: {})", "not before it is said");
+    editor.get_by_role_and_label(Role::Button, "Overwrite with mine").click();
+    settle(&mut editor);
+    assert!(!editor.state().app().is_dirty());
+    assert!(Document::load(&place.graph).unwrap().nodes["soft"].bypass);
+}
+
+#[test]
 fn what_a_killed_editor_left_is_offered_and_recovered() {
     let place = Place::new();
     let folder = place.folder.path().join("unsaved");
@@ -115,4 +130,130 @@ fn closing_with_unsaved_work_asks_first() {
     editor.get_by_role_and_label(Role::Button, "Discard").click();
     settle(&mut editor);
     assert!(editor.state().app().document().nodes.is_empty());
+}
+
+/// An editor whose time goes by so slowly that it never looks whether someone else changed the file: of two who read
+/// what is filled in once, one would find nothing.
+#[cfg(unix)]
+fn open_unwatched(start: orograph_editor::Start) -> common::Editor {
+    common::open_at(start, 10_000.0)
+}
+
+/// Puts something in place of a file that is read no sooner than someone fills it.
+#[cfg(unix)]
+fn make_slow(path: &std::path::Path) {
+    fs::remove_file(path).unwrap();
+    assert!(std::process::Command::new("mkfifo").arg(path).status().unwrap().success());
+}
+
+#[test]
+#[cfg(unix)]
+fn a_slow_disk_freezes_nothing_and_what_is_edited_meanwhile_is_not_taken_for_saved() {
+    let place = Place::new();
+    let mut editor = open_unwatched(place.start());
+    select(&mut editor, "soft");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    make_slow(&place.graph);
+    editor.key_press_modifiers(CTRL, Key::S);
+    editor.run_steps(3);
+    assert!(editor.query_by_label("saving…").is_some());
+    assert!(editor.state().app().is_dirty(), "nothing is saved before it is");
+    editor.key_press_modifiers(Modifiers::NONE, Key::B);
+    editor.run_steps(3);
+    assert!(!editor.state().app().document().nodes["soft"].bypass, "the window goes on");
+    editor.key_press_modifiers(CTRL, Key::N);
+    editor.run_steps(3);
+    assert_eq!(editor.state().app().document().nodes.len(), 5, "nothing goes before it is saved");
+    fs::write(&place.graph, common::CHAIN).unwrap();
+    settle(&mut editor);
+    assert!(Document::load(&place.graph).unwrap().nodes["soft"].bypass, "as it was when it was to be saved");
+    assert!(editor.state().app().is_dirty());
+    assert!(editor.query_by_label("There are unsaved changes").is_some());
+    editor.get_by_role_and_label(Role::Button, "Save").click();
+    settle(&mut editor);
+    assert!(!Document::load(&place.graph).unwrap().nodes["soft"].bypass);
+    assert!(editor.state().app().document().nodes.is_empty(), "then comes what was asked for");
+}
+
+#[test]
+#[cfg(unix)]
+fn the_window_closes_no_sooner_than_the_file_is_written() {
+    use eframe::egui::{ViewportCommand, ViewportId};
+
+    let place = Place::new();
+    let mut editor = open_unwatched(place.start());
+    let closes = |editor: &common::Editor| {
+        editor.output().viewport_output[&ViewportId::ROOT].commands.contains(&ViewportCommand::Close)
+    };
+    select(&mut editor, "soft");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    make_slow(&place.graph);
+    editor.key_press_modifiers(CTRL, Key::S);
+    editor.key_press_modifiers(CTRL, Key::Q);
+    for _ in 0..5 {
+        editor.run_steps(1);
+        assert!(!closes(&editor));
+    }
+    fs::write(&place.graph, common::CHAIN).unwrap();
+    settle(&mut editor);
+    assert!(closes(&editor));
+    assert!(Document::load(&place.graph).unwrap().nodes["soft"].bypass);
+}
+
+#[test]
+#[cfg(unix)]
+fn a_slow_disk_freezes_nothing_when_a_graph_is_opened_and_it_can_be_given_up() {
+    let place = Place::new();
+    let other = place.folder.path().join("other.ron");
+    fs::write(&other, "").unwrap();
+    make_slow(&other);
+    let mut start = place.start();
+    let answer = other.clone();
+    start.dialogs = Arc::new(move |_, _| Some(answer.clone()));
+    let mut editor = open(start);
+    for is_given_up in [true, false] {
+        editor.key_press_modifiers(CTRL, Key::O);
+        common::until_shown(&mut editor, "Reading ");
+        editor.key_press_modifiers(CTRL, Key::A);
+        editor.key_press_modifiers(Modifiers::NONE, Key::Delete);
+        editor.run_steps(3);
+        assert_eq!(editor.state().app().document().nodes.len(), 5, "no edit is lost to what comes");
+        if is_given_up {
+            editor.get_by_role_and_label(Role::Button, "Do not open it").click();
+            settle(&mut editor);
+            assert!(editor.query_by_label_contains("Reading ").is_none());
+        }
+        fs::write(&other, "(format: 1, doc: \"the other\", nodes: {})").unwrap();
+    }
+    common::until(&mut editor, |app| app.document().doc == "the other");
+}
+
+#[test]
+fn a_graph_without_a_name_asks_for_one_before_it_goes() {
+    let place = Place::new();
+    let named = place.folder.path().join("named");
+    let mut start = place.start();
+    let answer = named.clone();
+    start.file = None;
+    start.dialogs = Arc::new(move |_, _| Some(answer.clone()));
+    let mut editor = open(start);
+    common::event(&mut editor, eframe::egui::Event::Paste(common::CHAIN.into()));
+    settle(&mut editor);
+    press(&mut editor, CTRL, Key::N);
+    editor.get_by_role_and_label(Role::Button, "Save").click();
+    let file = named.with_extension("ron");
+    common::until(&mut editor, |app| app.document().nodes.is_empty());
+    assert_eq!(Document::load(&file).unwrap().nodes.len(), 5);
+}
+
+#[test]
+fn a_build_says_how_long_it_still_takes_and_can_be_stopped() {
+    let place = Place::new();
+    fs::write(&place.graph, common::CHAIN.replace("cells: 48", "cells: 6000")).unwrap();
+    let mut editor = open(place.start());
+    editor.key_press_modifiers(CTRL, Key::B);
+    common::until_shown(&mut editor, " left");
+    press(&mut editor, Modifiers::NONE, Key::Escape);
+    assert!(editor.query_by_label_contains(" left").is_none(), "it is over");
+    assert!(!place.out().join("shade.png").exists());
 }

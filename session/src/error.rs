@@ -22,6 +22,15 @@ pub enum Error {
 }
 
 impl Error {
+    /// What is wrong and what would mend it, in a line.
+    #[must_use]
+    pub fn in_words(&self) -> String {
+        match self.help() {
+            Some(help) => format!("{self}: {help}"),
+            None => self.to_string(),
+        }
+    }
+
     pub(crate) fn refused(message: impl Into<String>, help: impl Into<String>) -> Self {
         Self::Refused { message: message.into(), help: help.into() }
     }

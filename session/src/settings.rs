@@ -15,7 +15,10 @@ use serde::{Deserialize, Serialize};
 use crate::{Error, memory};
 
 /// How a cache folder is called off.
-const NONE: &str = "none";
+pub const NONE: &str = "none";
+
+/// How many graphs [`Settings::recent`] holds.
+pub const MOST_RECENT: usize = 12;
 
 /// The user's settings, `settings.ron` in the folder of their configuration. What is left out has its default.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -137,6 +140,30 @@ impl Settings {
         Ok(settings)
     }
 
+    /// As [`change`](Self::change), in a file.
+    ///
+    /// # Errors
+    /// As [`change`](Self::change).
+    pub fn change_in(file: &Path, change: impl FnOnce(&mut Self)) -> Result<Self, Error> {
+        let mut settings = Self::load_from(file)?;
+        change(&mut settings);
+        settings.save_to(file)?;
+        Ok(settings)
+    }
+
+    /// Puts a graph first among the [`recent`](Self::recent) ones, of which the oldest goes where there are too many.
+    pub fn opened(&mut self, graph: &Path) {
+        let graph = std::path::absolute(graph).unwrap_or_else(|_| graph.to_owned());
+        self.recent.retain(|known| *known != graph);
+        self.recent.insert(0, graph);
+        self.recent.truncate(MOST_RECENT);
+    }
+
+    /// Takes a graph that is gone off the [`recent`](Self::recent) ones.
+    pub fn forget(&mut self, graph: &Path) {
+        self.recent.retain(|known| known != graph);
+    }
+
     /// The folder that the cache lies in: as `said`, as `OROGRAPH_CACHE` says, as the settings say, or the user's; `None`
     /// for memory alone.
     #[must_use]
@@ -146,8 +173,14 @@ impl Settings {
         match named.into_iter().flatten().find(|folder| !folder.as_os_str().is_empty()) {
             Some(folder) if folder == Path::new(NONE) => None,
             Some(folder) => Some(folder.to_owned()),
-            None => etcetera::choose_base_strategy().ok().map(|base| base.cache_dir().join("orograph")),
+            None => Self::usual_cache_folder(),
         }
+    }
+
+    /// The folder that the cache lies in when nobody says; `None` on a system that tells no folder for caches.
+    #[must_use]
+    pub fn usual_cache_folder() -> Option<PathBuf> {
+        Some(etcetera::choose_base_strategy().ok()?.cache_dir().join("orograph"))
     }
 
     /// Bytes that results may take in memory: as `said`, as the settings say, or as fits the machine.
@@ -227,6 +260,35 @@ mod tests {
             let refusal = refusal(text);
             assert!(refusal.contains(said), "{text}: {refusal}");
         }
+    }
+
+    #[test]
+    fn a_change_keeps_what_others_wrote_meanwhile() {
+        let folder = tempfile::tempdir().unwrap();
+        let file = folder.path().join("settings.ron");
+        Settings { memory: Some(7), ..Settings::default() }.save_to(&file).unwrap();
+        let changed = Settings::change_in(&file, |settings| settings.theme = Theme::Dark).unwrap();
+        assert_eq!((changed.memory, changed.theme), (Some(7), Theme::Dark));
+        assert_eq!(Settings::load_from(&file).unwrap(), changed);
+        fs::write(&file, "(theme: Blue)").unwrap();
+        Settings::change_in(&file, |settings| settings.theme = Theme::Dark).unwrap_err();
+        assert_eq!(fs::read_to_string(&file).unwrap(), "(theme: Blue)", "what cannot be read is left alone");
+    }
+
+    #[test]
+    fn recent_graphs_stand_once_the_latest_first_and_no_more_than_a_few() {
+        let mut settings = Settings::default();
+        for n in 0..MOST_RECENT + 3 {
+            settings.opened(Path::new(&format!("graph-{n}.ron")));
+        }
+        assert_eq!(settings.recent.len(), MOST_RECENT);
+        assert!(settings.recent.iter().all(|graph| graph.is_absolute()));
+        let old = settings.recent[5].clone();
+        settings.opened(&old);
+        assert_eq!((&settings.recent[0], settings.recent.len()), (&old, MOST_RECENT));
+        assert_eq!(settings.recent.iter().filter(|graph| **graph == old).count(), 1);
+        settings.forget(&old);
+        assert!(!settings.recent.contains(&old));
     }
 
     #[test]

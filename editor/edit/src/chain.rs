@@ -3,15 +3,10 @@
 use orograph_core::{NodeSpec, ParamValue};
 use orograph_engine::{Graph, GraphBuilder, GraphError, NodeId, OutputRef, Registry};
 
-use crate::looks::{self, LARGEST};
-
-/// How the names of these nodes begin; no node of a document can have such a name.
-const LOOK: &str = "a look at it";
-
-/// Whether a node of a graph is one of these.
-pub(crate) fn is_look(name: &str) -> bool {
-    name.starts_with(LOOK)
-}
+use crate::{
+    looks::{self, LARGEST},
+    teller::LOOK,
+};
 
 /// A graph under construction.
 pub(crate) struct Chain<'a> {

@@ -3,6 +3,10 @@
 use std::{
     io,
     path::{Path, PathBuf},
+    sync::{
+        Arc,
+        mpsc::{self, Receiver, TryRecvError},
+    },
 };
 
 use orograph_engine::{Document, DocumentErrors, Registry, document::read_file, save_whole};
@@ -86,5 +90,69 @@ impl OpenFile {
             .map_err(|source| SaveError::Io { path: self.path.clone(), source })?;
         self.seen = Some(blake3::hash(text.as_bytes()));
         Ok(())
+    }
+
+    /// As [`save`](Self::save), on a thread of its own: a slow disk holds nobody up. With `over`, what someone else wrote
+    /// is written over. `wake` is called, from that thread, when it is done.
+    #[must_use]
+    pub fn save_beside(
+        &self,
+        document: Arc<Document>,
+        registry: Arc<Registry>,
+        over: bool,
+        wake: Arc<dyn Fn() + Send + Sync>,
+    ) -> Saving {
+        let (sender, answer) = mpsc::channel();
+        let mut file = self.clone();
+        let write = move || {
+            if over {
+                file.accept();
+            }
+            let outcome = file.save(&document, &registry);
+            // The window may be gone by then.
+            let _ = sender.send(Saved { file, outcome });
+            wake();
+        };
+        // Where no thread can be started, its end of the line is gone at once.
+        let _ = std::thread::Builder::new().name("save".into()).spawn(write);
+        Saving { file: self.clone(), answer }
+    }
+}
+
+/// A document that is being written.
+pub struct Saving {
+    file: OpenFile,
+    answer: Receiver<Saved>,
+}
+
+/// What came of writing a document.
+#[derive(Debug)]
+pub struct Saved {
+    /// The file, with what it holds now as seen.
+    pub file: OpenFile,
+    /// Whether it was written, or why not.
+    pub outcome: Result<(), SaveError>,
+}
+
+impl Saving {
+    /// What came of it, once it is over.
+    pub fn poll(&mut self) -> Option<Saved> {
+        match self.answer.try_recv() {
+            Ok(saved) => Some(saved),
+            Err(TryRecvError::Empty) => None,
+            Err(TryRecvError::Disconnected) => Some(self.lost()),
+        }
+    }
+
+    /// Waits until it is over.
+    #[must_use]
+    pub fn wait(self) -> Saved {
+        self.answer.recv().unwrap_or_else(|_| self.lost())
+    }
+
+    fn lost(&self) -> Saved {
+        let source = io::Error::other("no thread could be started that writes it");
+        let outcome = Err(SaveError::Io { path: self.file.path.clone(), source });
+        Saved { file: self.file.clone(), outcome }
     }
 }

@@ -173,10 +173,15 @@ impl Editing {
         self.state != self.saved
     }
 
-    /// Notes that the present state was saved.
-    pub fn saved(&mut self) {
+    /// Ends the gesture that goes on and gives the number of the present state, which is to be saved.
+    pub fn to_be_saved(&mut self) -> u64 {
         self.end_gesture();
-        self.saved = self.state;
+        self.state
+    }
+
+    /// Notes that the state of that number was saved, whatever was edited since.
+    pub fn saved(&mut self, state: u64) {
+        self.saved = state;
     }
 
     /// Notes that the present state is not the one of the file, as after a recovery.

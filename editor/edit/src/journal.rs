@@ -38,10 +38,11 @@ pub struct Journal {
 }
 
 /// Where orders for the writer lie; a newer one takes the place of an older one.
-#[derive(Default)]
 struct Desk {
     state: Mutex<State>,
     changed: Condvar,
+    /// The node types by which documents are written.
+    registry: Mutex<Arc<Registry>>,
 }
 
 #[derive(Default)]
@@ -67,10 +68,14 @@ impl Journal {
         fs::create_dir_all(folder)?;
         let (held, lock) = own_lock(folder)?;
         let place = lock.with_extension("ron");
-        let desk = Arc::new(Desk::default());
+        let desk = Arc::new(Desk {
+            state: Mutex::default(),
+            changed: Condvar::new(),
+            registry: Mutex::new(registry),
+        });
         let writer = {
             let (desk, place) = (desk.clone(), place.clone());
-            std::thread::Builder::new().name("journal".into()).spawn(move || desk.serve(&place, &registry))?
+            std::thread::Builder::new().name("journal".into()).spawn(move || desk.serve(&place))?
         };
         Ok(Self { desk, writer: Some(writer), place, lock, _held: held })
     }
@@ -78,6 +83,11 @@ impl Journal {
     /// Keeps a document that is not saved.
     pub fn keep(&self, path: Option<&Path>, document: Arc<Document>) {
         self.desk.put(Order::Keep(path.map(Path::to_owned), document));
+    }
+
+    /// Writes by other node types from now on, as after plugins came or went.
+    pub fn use_registry(&self, registry: Arc<Registry>) {
+        *self.desk.registry.lock().unwrap_or_else(PoisonError::into_inner) = registry;
     }
 
     /// Forgets it: it is saved, or was given up.
@@ -181,7 +191,7 @@ impl Desk {
     }
 
     /// Writes what is ordered until the journal closes.
-    fn serve(&self, place: &Path, registry: &Registry) {
+    fn serve(&self, place: &Path) {
         let mut state = self.lock();
         loop {
             while state.order.is_none() && !state.closing {
@@ -195,7 +205,10 @@ impl Desk {
             state.busy = true;
             drop(state);
             let outcome = match order {
-                Order::Keep(path, document) => put(place, path, &document, registry),
+                Order::Keep(path, document) => {
+                    let registry = self.registry.lock().unwrap_or_else(PoisonError::into_inner).clone();
+                    put(place, path, &document, &registry)
+                }
                 Order::Forget => forget(place),
             };
             state = self.lock();

@@ -15,17 +15,20 @@ use std::{
     time::{Duration, Instant},
 };
 
-use orograph_core::{Context, Error, Value};
+use orograph_core::{Context, Value};
 use orograph_engine::{
-    CancelToken, CompileOptions, Compiled, Document, DocumentErrors, Evaluator, Observer, Outcome, Registry,
-    compile,
+    CancelToken, CompileOptions, Compiled, Document, DocumentErrors, Evaluator, Registry, compile,
     document::{Link, read_file},
-    eval::Event,
 };
 
 use orograph_session::Targets;
 
-use crate::{beside::Beside, chain::is_look, looks::Scale, operations::part};
+use crate::{
+    beside::Beside,
+    looks::Scale,
+    operations::part,
+    teller::{Teller, Work, outermost},
+};
 
 /// Something that is to be shown.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,7 +111,7 @@ pub enum News {
     Node(String, Badge),
     /// A wish was met, or why it was not.
     Shown(String, Result<Shown, Vec<Fault>>),
-    /// Share of the present work that is done.
+    /// Share of all wishes that is done.
     Progress(f64),
     /// Nothing is left to do.
     Idle,
@@ -165,6 +168,11 @@ impl Runner {
     #[must_use]
     pub fn evaluator(&self) -> &Arc<Evaluator> {
         &self.evaluator
+    }
+
+    /// Takes other node types for what is begun from now on, as after plugins came or went.
+    pub fn use_registry(&mut self, registry: Arc<Registry>) {
+        self.registry = registry;
     }
 
     /// Begins to meet wishes, in their order, and gives up those of earlier calls.
@@ -288,6 +296,11 @@ impl Round {
         (self.wake)();
     }
 
+    fn teller(&self, work: Work) -> Arc<Teller> {
+        let (sender, wake) = (self.sender.clone(), self.wake.clone());
+        Arc::new(Teller { number: self.number, work, sender, wake })
+    }
+
     fn compile(
         &self,
         document: &Document,
@@ -305,12 +318,13 @@ impl Round {
             Ok(compiled) => missing(compiled),
             Err(errors) => faults(errors),
         }));
-        for wish in wishes {
+        for (met, wish) in wishes.iter().enumerate() {
             if self.token.is_cancelled() {
                 return;
             }
+            let work = Work::Wish { met, of: wishes.len() };
             let result = match &whole {
-                Ok(compiled) if wish.overrides.is_empty() => self.meet(wish, compiled, scene),
+                Ok(compiled) if wish.overrides.is_empty() => self.meet(wish, work, compiled, scene),
                 // What is wrong elsewhere does not matter here.
                 _ => {
                     let mut nodes = vec![wish.output.node.as_str()];
@@ -320,11 +334,12 @@ impl Round {
                     let part = part(&scene.document, &nodes);
                     self.compile(&part, scene, &wish.overrides)
                         .map_err(|errors| faults(&errors))
-                        .and_then(|compiled| self.meet(wish, &compiled, scene))
+                        .and_then(|compiled| self.meet(wish, work, &compiled, scene))
                 }
             };
             if !self.token.is_cancelled() {
                 self.tell(News::Shown(wish.name.clone(), result));
+                self.tell(work.share(1.0));
             }
         }
     }
@@ -339,8 +354,7 @@ impl Round {
             }
         })?;
         let request = targets.into_request(scene.context, out, history);
-        let teller = Builder { sender: self.sender.clone(), wake: self.wake.clone() };
-        let report = self.evaluator.run(request, Arc::new(teller), &self.token);
+        let report = self.evaluator.run(request, self.teller(Work::Build), &self.token);
         self.evaluator.flush();
         let failures: Vec<_> = report
             .failures()
@@ -359,57 +373,6 @@ impl Round {
             .flat_map(|node| &node.files)
             .map(|file| file.name.display().to_string())
             .collect())
-    }
-}
-
-/// The node of the document that a node of the flat graph belongs to.
-fn outermost(name: &str) -> &str {
-    name.split('/').next().unwrap_or(name)
-}
-
-struct Watcher {
-    number: u64,
-    sender: Sender<(u64, News)>,
-    wake: Arc<dyn Fn() + Send + Sync>,
-}
-
-impl Observer for Watcher {
-    fn event(&self, event: &Event<'_>) {
-        let news = match event {
-            Event::Started { node } => (*node, Badge::Running(0.0), None),
-            Event::Progress { node, done, overall } => (*node, Badge::Running(*done), Some(*overall)),
-            Event::Finished { node, outcome: Outcome::Failed(error), overall }
-                if *error != Error::Cancelled =>
-            {
-                let node_name = Some(outermost(node).to_owned());
-                let fault = Fault { node: node_name, message: error.to_string(), help: error.hint() };
-                (*node, Badge::Failed(fault), Some(*overall))
-            }
-            _ => return,
-        };
-        let (node, badge, overall) = news;
-        if !is_look(node) {
-            let _ = self.sender.send((self.number, News::Node(outermost(node).to_owned(), badge)));
-        }
-        if let Some(overall) = overall {
-            let _ = self.sender.send((self.number, News::Progress(overall)));
-        }
-        (self.wake)();
-    }
-}
-
-/// Tells how far a build is.
-struct Builder {
-    sender: Sender<(u64, News)>,
-    wake: Arc<dyn Fn() + Send + Sync>,
-}
-
-impl Observer for Builder {
-    fn event(&self, event: &Event<'_>) {
-        if let Event::Progress { overall, .. } | Event::Finished { overall, .. } = event {
-            let _ = self.sender.send((ALWAYS, News::Building(*overall)));
-            (self.wake)();
-        }
     }
 }
 

@@ -167,9 +167,9 @@ fn perform(
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 24, ..ProptestConfig::default() })]
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
-    /// Thousands of gestures in all; each document on the way comes back on the way back.
+    /// Five thousand gestures in all; each document on the way comes back on the way back.
     #[test]
     fn any_gestures_are_undone_to_the_start_and_redone_to_the_end(steps in prop::collection::vec(step(), 1..160)) {
         let registry = registry();
@@ -271,7 +271,8 @@ fn saving_is_remembered_by_state_and_not_by_count() {
             .unwrap();
     };
     bypass(&mut editing, "soft");
-    editing.saved();
+    let state = editing.to_be_saved();
+    editing.saved(state);
     assert!(!editing.is_dirty());
     editing.undo();
     assert!(editing.is_dirty());

@@ -46,6 +46,44 @@ fn a_save_that_fails_leaves_the_old_file() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "nothing is left behind");
 }
 
+#[test]
+#[cfg(unix)]
+fn a_save_holds_nobody_up_however_slow_the_disk_is() {
+    let registry = registry();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("graph.ron");
+    let text = chain(&registry).to_ron(&registry);
+    fs::write(&path, &text).unwrap();
+    let (file, mut document) = OpenFile::open(&path).unwrap();
+    document.doc = "mine".into();
+    // A file that is read no sooner than someone fills it.
+    fs::remove_file(&path).unwrap();
+    assert!(Command::new("mkfifo").arg(&path).status().unwrap().success());
+    let mut saving = file.save_beside(Arc::new(document.clone()), registry.clone(), false, Arc::new(|| ()));
+    assert!(saving.poll().is_none());
+    fs::write(&path, &text).unwrap();
+    let saved = saving.wait();
+    saved.outcome.unwrap();
+    assert!(!saved.file.changed_on_disk());
+    assert_eq!(Document::load(&path).unwrap(), document);
+}
+
+#[test]
+fn a_save_beside_asks_as_well_before_it_writes_over_others() {
+    let registry = registry();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("graph.ron");
+    fs::write(&path, chain(&registry).to_ron(&registry)).unwrap();
+    let (file, document) = OpenFile::open(&path).unwrap();
+    fs::write(&path, "(format: 1, doc: \"theirs\", nodes: {})").unwrap();
+    let document = Arc::new(document);
+    let save = |over| file.save_beside(document.clone(), registry.clone(), over, Arc::new(|| ())).wait();
+    assert!(matches!(save(false).outcome, Err(SaveError::ChangedOnDisk(_))));
+    assert_eq!(Document::load(&path).unwrap().doc, "theirs");
+    save(true).outcome.unwrap();
+    assert_eq!(Document::load(&path).unwrap(), *document);
+}
+
 /// The program that is killed: it keeps a document and waits. Run by the test below alone.
 #[test]
 #[ignore = "runs as the child of another test"]

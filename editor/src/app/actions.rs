@@ -16,6 +16,22 @@ const BESIDE: f64 = 36.0;
 impl App {
     /// Keys and events of the clipboard, unless a field of text has the keyboard.
     pub(super) fn keys(&mut self, ctx: &egui::Context) {
+        if self.opening.is_some() {
+            // What they would change is about to go.
+            return;
+        }
+        // A question stands before everything else.
+        if ctx.memory(|memory| memory.top_modal_layer().is_some()) {
+            if !ctx.egui_wants_keyboard_input() {
+                // The widget library for graphs would remove what is selected.
+                ctx.input_mut(|input| {
+                    for key in [egui::Key::Delete, egui::Key::Backspace] {
+                        input.consume_key(egui::Modifiers::NONE, key);
+                    }
+                });
+            }
+            return;
+        }
         let view = views::has_keyboard(ctx);
         let typing = (ctx.egui_wants_keyboard_input() && !view) || self.search.is_some();
         let mut chosen = Vec::new();
@@ -79,8 +95,8 @@ impl App {
         match command {
             Command::New => self.leave(Then::New),
             Command::Open => self.leave(Then::Open),
-            Command::Save => self.save(),
-            Command::SaveAs => self.ask_file(Question::Save, super::dialogs::For::SaveAs),
+            Command::Save => self.save(None),
+            Command::SaveAs => self.ask_file(Question::Save, super::dialogs::For::SaveAs(None)),
             Command::Quit => self.leave(Then::Quit),
             Command::Undo => {
                 self.editing.undo();
@@ -105,8 +121,11 @@ impl App {
             Command::SelectAll => self.canvas.select(self.editing.document().nodes.keys().cloned()),
             Command::SelectNone => self.canvas.select([]),
             Command::Add => {
-                let place = self.canvas.middle();
-                self.search = Some(Search::new(place, self.canvas.rect().center(), None));
+                // Where the pointer is, when that is over the graph.
+                let pointer = ctx.input(|input| input.pointer.latest_pos());
+                let canvas = self.canvas.rect();
+                let at = pointer.filter(|pos| canvas.contains(*pos)).unwrap_or(canvas.center());
+                self.search = Some(Search::new(self.canvas.place_at(at), at, None));
             }
             Command::AddGraph => self.ask_file(Question::Graph, super::dialogs::For::Subgraph),
             Command::Bypass => {
@@ -147,7 +166,7 @@ impl App {
             Command::Build => self.build(),
             Command::Stop => self.runner.stop(),
             Command::Keys => self.help = Some(Page::keys()),
-            Command::Settings => self.help = Some(Page::settings(&self.registry)),
+            Command::Settings => self.open_settings(),
         }
     }
 

@@ -9,7 +9,7 @@ use super::App;
 
 impl App {
     pub(super) fn build(&mut self) {
-        self.building = Some(0.0);
+        self.building.begin();
         // At full resolution, whatever the preview has.
         let context = Context { resolution: None, ..self.context };
         let scene = Scene { document: Arc::clone(self.editing.document()), folder: self.folder(), context };
@@ -18,7 +18,7 @@ impl App {
     }
 
     pub(super) fn built(&mut self, result: Result<Vec<String>, Vec<Fault>>) {
-        self.building = None;
+        self.building.end();
         match result {
             Ok(files) => {
                 let folder = self.out.display().to_string();

@@ -178,6 +178,18 @@ impl Entry {
     pub(super) fn shortcut(&self) -> Option<KeyboardShortcut> {
         self.key.map(|(modifiers, key)| KeyboardShortcut::new(modifiers, key))
     }
+
+    /// Its key as it is told: also of the three that come as events of the system.
+    #[must_use]
+    pub(super) fn told(&self) -> Option<KeyboardShortcut> {
+        let key = match self.command {
+            Command::Cut => Key::X,
+            Command::Copy => Key::C,
+            Command::Paste => Key::V,
+            _ => return self.shortcut(),
+        };
+        Some(KeyboardShortcut::new(CTRL, key))
+    }
 }
 
 #[cfg(test)]

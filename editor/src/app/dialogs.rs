@@ -10,7 +10,7 @@ use std::{
 
 use eframe::egui;
 use orograph_core::ParamValue;
-use orograph_edit::{OpenFile, operations};
+use orograph_edit::{OpenFile, SettingsChange, operations};
 use orograph_engine::{Document, document::Link};
 
 use super::App;
@@ -26,45 +26,56 @@ pub enum Question {
     Input,
     /// A file that a node writes.
     Output,
+    /// A folder.
+    Folder,
 }
 
-/// Asks the user for a file, beginning in a folder; `None` when the user chose none. Called on a thread of its own.
+/// Asks the user for a file or folder, beginning in a folder; `None` when the user chose none. Called on a thread of its own.
 pub type Dialogs = Arc<dyn Fn(Question, &Path) -> Option<PathBuf> + Send + Sync>;
 
 /// What the chosen file is for.
 #[derive(Clone, Debug)]
 pub(super) enum For {
     Open,
-    SaveAs,
+    /// And what to do once it is saved.
+    SaveAs(Option<Then>),
     Subgraph,
     Collapse(Vec<String>),
     Param(Link),
+    CacheFolder,
+    PluginFolder,
 }
 
 /// A dialog that is open.
 pub(super) struct Waiting {
     purpose: For,
+    question: Question,
     answer: Receiver<Option<PathBuf>>,
 }
 
 /// What is to be done once unsaved work is saved or given up.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub(super) enum Then {
     New,
     Open,
+    Reopen(PathBuf),
     Quit,
 }
 
 impl App {
     pub(super) fn ask_file(&mut self, question: Question, purpose: For) {
         let (sender, answer) = mpsc::channel();
-        let (dialogs, folder) = (self.dialogs.clone(), self.folder());
+        let folder = match question {
+            Question::Output => self.out.clone(),
+            _ => self.folder(),
+        };
+        let dialogs = self.dialogs.clone();
         let spawned = std::thread::Builder::new().name("dialog".into()).spawn(move || {
             // The window may be gone by then.
             let _ = sender.send(dialogs(question, &folder));
         });
         match spawned {
-            Ok(_) => self.dialog = Some(Waiting { purpose, answer }),
+            Ok(_) => self.dialog = Some(Waiting { purpose, question, answer }),
             Err(error) => self.complain(format!("cannot start a thread: {error}")),
         }
     }
@@ -79,17 +90,24 @@ impl App {
             Err(TryRecvError::Disconnected) => None,
             Ok(answer) => answer,
         };
-        let Some(Waiting { purpose, .. }) = self.dialog.take() else { return };
+        let Some(Waiting { purpose, question, .. }) = self.dialog.take() else { return };
         let Some(path) = answer else { return };
         match purpose {
-            For::Open => self.open(&path),
-            For::SaveAs => self.save_as(path),
+            For::Open => self.open_beside(path),
+            For::SaveAs(then) => self.save_as(path, then),
+            For::CacheFolder => self.settings_folder(|folder| SettingsChange::Cache(Some(folder)), path),
+            For::PluginFolder => self.settings_folder(SettingsChange::AddPlugins, path),
             For::Subgraph => self.add_graph(&path),
             For::Collapse(names) => self.collapse(&names, &path),
             For::Param(link) => {
-                let text = self.relative(&path);
-                self.set(&link, &ParamValue::Text(text));
-                self.editing.end_gesture();
+                let text = match question {
+                    Question::Output => self.in_output_folder(&path),
+                    _ => Some(self.relative(&path)),
+                };
+                if let Some(text) = text {
+                    self.set(&link, &ParamValue::Text(text));
+                    self.editing.end_gesture();
+                }
             }
         }
     }
@@ -98,6 +116,19 @@ impl App {
     fn relative(&self, path: &Path) -> String {
         let folder = std::path::absolute(self.folder()).unwrap_or_default();
         path.strip_prefix(&folder).unwrap_or(path).to_string_lossy().replace('\\', "/")
+    }
+
+    /// The path as writers name it: relative to the folder that builds write into, which they do not leave.
+    fn in_output_folder(&mut self, path: &Path) -> Option<String> {
+        let out = std::path::absolute(&self.out).unwrap_or_default();
+        match path.strip_prefix(&out) {
+            Ok(inside) => Some(inside.to_string_lossy().replace('\\', "/")),
+            Err(_) => {
+                let out = out.display();
+                self.complain(format!("Builds write into {out} alone: choose a file in there, or start the editor with another --out"));
+                None
+            }
+        }
     }
 
     fn add_graph(&mut self, path: &Path) {
@@ -109,7 +140,9 @@ impl App {
 
     /// Does something that ends the work on this document, once the user settled what becomes of unsaved edits.
     pub(super) fn leave(&mut self, then: Then) {
-        if self.editing.is_dirty() {
+        if let Some(writing) = &mut self.writing {
+            writing.then_leave(then);
+        } else if self.editing.is_dirty() {
             self.closing = Some(then);
         } else {
             self.go(then);
@@ -123,20 +156,22 @@ impl App {
         match then {
             Then::New => self.replace(None, Document::new()),
             Then::Open => self.ask_file(Question::Graph, For::Open),
+            Then::Reopen(graph) => self.open_beside(graph),
             Then::Quit => self.quit = true,
         }
     }
 
-    /// Holds the window open while there is unsaved work.
+    /// Holds the window open while there is unsaved work, or work that is being saved.
     pub(super) fn may_close(&mut self, ctx: &egui::Context) {
-        if ctx.input(|input| input.viewport().close_requested()) && !self.quit && self.editing.is_dirty() {
+        let unsaved = self.editing.is_dirty() || self.writing.is_some();
+        if ctx.input(|input| input.viewport().close_requested()) && !self.quit && unsaved {
             ctx.send_viewport_cmd(egui::ViewportCommand::CancelClose);
-            self.closing = Some(Then::Quit);
+            self.leave(Then::Quit);
         }
     }
 
     pub(super) fn closing_ui(&mut self, ctx: &egui::Context) {
-        let Some(then) = self.closing else { return };
+        let Some(then) = self.closing.clone() else { return };
         let mut settled = None;
         egui::Modal::new("unsaved".into()).show(ctx, |ui| {
             ui.heading("There are unsaved changes");
@@ -151,10 +186,7 @@ impl App {
         match settled {
             Some("Save") => {
                 self.closing = None;
-                self.save();
-                if !self.editing.is_dirty() {
-                    self.go(then);
-                }
+                self.save(Some(then));
             }
             Some("Discard") => {
                 self.closing = None;
@@ -196,7 +228,7 @@ impl App {
     /// Takes what is on the disk in place of what is open.
     pub(super) fn reload(&mut self) {
         if let Some(path) = self.file.as_ref().map(|file| OpenFile::path(file).to_owned()) {
-            self.open(&path);
+            self.open_beside(path);
         }
     }
 }

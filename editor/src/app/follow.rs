@@ -36,7 +36,7 @@ impl App {
         });
         if !same {
             self.asked = Some((document.clone(), wishes.clone(), self.context));
-            self.progress = Some(0.0);
+            self.progress.begin();
             self.runner.show(Scene { document, folder: self.folder(), context: self.context }, wishes);
         }
         self.call_window(ctx);

@@ -14,6 +14,10 @@ use crate::canvas::Gesture;
 impl App {
     /// Does what a gesture on the canvas says.
     pub(super) fn gesture(&mut self, ctx: &egui::Context, gesture: Gesture) {
+        if self.opening.is_some() {
+            // What it would change is about to go.
+            return;
+        }
         match gesture {
             Gesture::Selected => self.editing.end_gesture(),
             Gesture::Move(places) => {
@@ -115,9 +119,13 @@ impl App {
         let Some(node_type) = self.registry.get(id).cloned() else { return };
         let automatic = self.canvas.automatic().clone();
         let (place, loose) = (search.place, search.loose.clone());
+        let supplier = self.preferences.supplier(id);
         let added = self.edit("add", |document, interfaces| {
             Self::settle(document, &automatic);
             let name = operations::add(document, &node_type, place);
+            if let Some(node) = document.nodes.get_mut(&name) {
+                node.plugin = supplier;
+            }
             if let Some(loose) = &loose
                 && let Some(port) = port_for(node_type.spec(), loose)
             {

@@ -20,12 +20,12 @@ impl App {
                     self.badges.insert(name, badge);
                 }
                 News::Shown(name, result) => self.show_answer(ctx, &name, result),
-                News::Progress(done) => self.progress = Some(done),
+                News::Progress(done) => self.progress.is_at(done),
                 News::Idle => {
-                    self.progress = None;
+                    self.progress.end();
                     self.badges.retain(|_, badge| !matches!(badge, Badge::Running(_)));
                 }
-                News::Building(done) => self.building = Some(done),
+                News::Building(done) => self.building.is_at(done),
                 News::Built(result) => self.built(result),
             }
         }

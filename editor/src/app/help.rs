@@ -1,9 +1,7 @@
-//! Pages of help: a node's, from its spec; the keys; the program's settings.
+//! Pages of help: a node's, from its spec; the keys.
 
 use eframe::egui;
 use orograph_core::{Arity, NodeSpec, ParamKind};
-use orograph_engine::Registry;
-use orograph_session::Settings;
 
 use super::command::ENTRIES;
 
@@ -16,7 +14,6 @@ pub(super) struct Page {
 enum Content {
     Node(Box<NodeSpec>),
     Keys,
-    Settings { file: String, text: String },
 }
 
 impl Page {
@@ -28,27 +25,20 @@ impl Page {
         Self { title: "Keys".into(), content: Content::Keys }
     }
 
-    pub(super) fn settings(registry: &Registry) -> Self {
-        let file = Settings::file().map_or_else(|| "nowhere".to_owned(), |file| file.display().to_string());
-        let text = match Settings::load() {
-            Ok(settings) => format!("{settings:#?}\n\n{} node types", registry.iter().count()),
-            Err(error) => error.to_string(),
-        };
-        Self { title: "Settings".into(), content: Content::Settings { file, text } }
-    }
-
     /// Draws the page; false once it was closed.
     pub(super) fn show(&self, ctx: &egui::Context) -> bool {
         let mut open = true;
-        let window = egui::Window::new(&self.title).id("help".into()).open(&mut open).default_width(520.0);
+        // Beside the menus, which lie at the top left.
+        let middle = ctx.content_rect().center();
+        let window = egui::Window::new(&self.title)
+            .id("help".into())
+            .open(&mut open)
+            .pivot(egui::Align2::CENTER_CENTER)
+            .default_pos(middle)
+            .default_width(520.0);
         window.vscroll(true).show(ctx, |ui| match &self.content {
             Content::Node(spec) => node(ui, spec),
             Content::Keys => keys(ui),
-            Content::Settings { file, text } => {
-                ui.label("Kept in");
-                ui.monospace(file);
-                ui.monospace(text);
-            }
         });
         open
     }
@@ -58,7 +48,7 @@ fn keys(ui: &mut egui::Ui) {
     egui::Grid::new("keys").striped(true).show(ui, |ui| {
         for entry in ENTRIES.iter().filter(|entry| !entry.label.is_empty()) {
             ui.label(entry.label);
-            let key = entry.shortcut().map(|key| ui.ctx().format_shortcut(&key));
+            let key = entry.told().map(|key| ui.ctx().format_shortcut(&key));
             ui.monospace(key.unwrap_or_default());
             ui.end_row();
         }

@@ -6,6 +6,7 @@ use super::{
     App, Command,
     command::{ENTRIES, Menu},
 };
+use crate::inspector::named;
 
 impl App {
     pub(super) fn menu(&mut self, ui: &mut egui::Ui) {
@@ -16,11 +17,14 @@ impl App {
                     for entry in ENTRIES.iter().filter(|entry| entry.menu == menu && !entry.label.is_empty())
                     {
                         let mut button = egui::Button::new(self.label(entry.command, entry.label));
-                        if let Some(key) = entry.shortcut() {
+                        if let Some(key) = entry.told() {
                             button = button.shortcut_text(ui.ctx().format_shortcut(&key));
                         }
                         if ui.add_enabled(self.can(entry.command), button).clicked() {
                             chosen = Some(entry.command);
+                        }
+                        if entry.command == Command::Open {
+                            self.recent_menu(ui);
                         }
                     }
                 });
@@ -33,16 +37,16 @@ impl App {
             let text = |cells: Option<u32>| {
                 cells.map_or_else(|| "full".to_owned(), |cells| format!("{cells} cells"))
             };
-            egui::ComboBox::from_id_salt("resolution").selected_text(text(self.context.resolution)).show_ui(
-                ui,
-                |ui| {
-                    for cells in [Some(128), Some(256), Some(512), Some(1024), Some(2048), None] {
-                        ui.selectable_value(&mut self.context.resolution, cells, text(cells));
-                    }
-                },
-            );
+            let combo =
+                egui::ComboBox::from_id_salt("resolution").selected_text(text(self.context.resolution));
+            let combo = combo.show_ui(ui, |ui| {
+                for cells in [Some(128), Some(256), Some(512), Some(1024), Some(2048), None] {
+                    ui.selectable_value(&mut self.context.resolution, cells, text(cells));
+                }
+            });
+            named(combo.response, "resolution of the preview");
             ui.label("seed");
-            ui.add(egui::DragValue::new(&mut self.context.seed));
+            named(ui.add(egui::DragValue::new(&mut self.context.seed)), "seed of the preview");
         });
         if let Some(command) = chosen {
             self.command(ui.ctx(), command);
@@ -60,27 +64,24 @@ impl App {
 
     pub(super) fn status(&mut self, ui: &mut egui::Ui) {
         ui.horizontal(|ui| {
-            if let Some(done) = self.building {
-                ui.add(egui::ProgressBar::new(done as f32).desired_width(140.0).text("building"));
-            }
-            if let Some(done) = self.progress {
-                ui.add(egui::ProgressBar::new(done as f32).desired_width(140.0).text("preview"));
-            }
-            if (self.building.is_some() || self.progress.is_some()) && ui.small_button("stop").clicked() {
-                self.runner.stop();
-            }
+            self.progress_ui(ui);
+            self.saving_ui(ui);
             let n = self.faults.len();
             if n > 0 {
-                let words =
-                    self.faults.iter().map(|fault| fault.message.as_str()).collect::<Vec<_>>().join("\n");
+                let words = self.faults.iter().map(|fault| match &fault.help {
+                    Some(help) => format!("{}: {help}", fault.message),
+                    None => fault.message.clone(),
+                });
+                let words = words.collect::<Vec<_>>().join("\n");
                 let text = if n == 1 { "1 problem".to_owned() } else { format!("{n} problems") };
                 ui.colored_label(crate::theme::FAULT, text).on_hover_text(words);
             }
             let mut gone = false;
             if let Some(note) = self.notes.last() {
                 let colour = if note.bad { crate::theme::FAULT } else { ui.visuals().text_color() };
-                ui.colored_label(colour, &note.text);
-                gone = ui.small_button("×").clicked();
+                // Long words take one line; the pointer over them shows them all.
+                gone = named(ui.small_button("×"), "put the note away").clicked();
+                ui.add(egui::Label::new(egui::RichText::new(&note.text).color(colour)).truncate());
             }
             if gone {
                 self.notes.pop();

@@ -13,8 +13,13 @@ mod hear;
 mod help;
 mod menu;
 mod nodes;
+mod open;
+mod progress;
+mod recent;
 mod recovery;
+mod save;
 mod search;
+mod settings;
 mod sketch;
 mod variations;
 mod words;
@@ -24,24 +29,36 @@ use std::{collections::HashMap, path::PathBuf, sync::Arc};
 use eframe::egui;
 use orograph_core::Context;
 use orograph_edit::{
-    Badge, Editing, Fault, Interfaces, Journal, OpenFile, Runner, Wish, operations, operations::Refused,
+    Badge, Editing, Fault, Interfaces, Journal, Keeper, OpenFile, Runner, Wish, operations,
+    operations::Refused,
 };
-use orograph_engine::{Document, Evaluator, Registry, document::Link};
+use orograph_engine::{Document, Evaluator, Registry, document::Link, plugin::Found};
+use orograph_session::Settings;
 
 pub use command::Command;
 pub use dialogs::{Dialogs, Question};
+pub use settings::PluginLoader;
 
 use crate::{
     canvas::{Canvas, NodeView, Wire},
-    inspector::Inspector,
+    inspector::{Inspector, named},
     views::{Compare, Pane, Tool},
 };
+use progress::Progress;
 use search::Search;
 
 /// What the editor begins with.
 pub struct Start {
     /// The node types.
     pub registry: Arc<Registry>,
+    /// The libraries of plugins that were looked at for them.
+    pub found: Vec<Found>,
+    /// How node types are found again.
+    pub plugins: PluginLoader,
+    /// The settings as they were read.
+    pub settings: Settings,
+    /// Where changes of them are kept; none to keep them nowhere.
+    pub settings_file: Option<PathBuf>,
     /// What evaluates.
     pub evaluator: Arc<Evaluator>,
     /// The graph to open.
@@ -54,6 +71,27 @@ pub struct Start {
     pub notes: Vec<String>,
     /// How files are asked for.
     pub dialogs: Dialogs,
+}
+
+impl Start {
+    /// Begins with node types and an evaluator alone: nothing is open, nothing is kept, and no dialog answers.
+    #[must_use]
+    pub fn with(registry: Arc<Registry>, evaluator: Arc<Evaluator>) -> Self {
+        let known = registry.clone();
+        Self {
+            registry,
+            found: Vec::new(),
+            plugins: Arc::new(move |_| Ok(((*known).clone(), Vec::new()))),
+            settings: Settings::default(),
+            settings_file: None,
+            evaluator,
+            file: None,
+            recoveries: None,
+            out: PathBuf::from("out"),
+            notes: Vec::new(),
+            dialogs: Arc::new(|_, _| None),
+        }
+    }
 }
 
 /// The editor.
@@ -81,8 +119,8 @@ pub struct App {
     badges: HashMap<String, Badge>,
     faults: Vec<Fault>,
     pictures: HashMap<String, egui::TextureHandle>,
-    progress: Option<f64>,
-    building: Option<f64>,
+    progress: Progress,
+    building: Progress,
     asked: Option<(Arc<Document>, Vec<Wish>, Context)>,
     kept: u64,
     notes: Vec<Note>,
@@ -92,9 +130,13 @@ pub struct App {
     dialog: Option<dialogs::Waiting>,
     closing: Option<dialogs::Then>,
     help: Option<help::Page>,
+    preferences: settings::Preferences,
     variations: Option<variations::Variations>,
     left: Vec<orograph_edit::Left>,
     watch: recovery::Watch,
+    writing: Option<save::Writing>,
+    opening: Option<open::Opening>,
+    wake: Arc<dyn Fn() + Send + Sync>,
     words: Option<words::Words>,
     quit: bool,
     /// What the window is called now.
@@ -111,12 +153,14 @@ impl App {
     /// Opens the window's contents.
     #[must_use]
     pub fn new(ctx: &egui::Context, start: Start) -> Self {
-        let Start { registry, evaluator, file, recoveries, out, notes, dialogs } = start;
-        let wake = {
+        let Start { registry, evaluator, file, recoveries, out, notes, dialogs, .. } = start;
+        let wake: Arc<dyn Fn() + Send + Sync> = {
             let ctx = ctx.clone();
             Arc::new(move || ctx.request_repaint())
         };
-        let runner = Runner::new(evaluator, registry.clone(), wake);
+        let keeper = Keeper::new(start.settings, start.settings_file, wake.clone());
+        let preferences = settings::Preferences::new(keeper, evaluator.clone(), start.plugins, start.found);
+        let runner = Runner::new(evaluator, registry.clone(), wake.clone());
         let mut app = Self {
             interfaces: Interfaces::new(registry.clone(), PathBuf::new()),
             editing: Editing::new(Document::new()),
@@ -139,8 +183,8 @@ impl App {
             badges: HashMap::new(),
             faults: Vec::new(),
             pictures: HashMap::new(),
-            progress: None,
-            building: None,
+            progress: Progress::default(),
+            building: Progress::default(),
             asked: None,
             kept: 0,
             notes: notes.into_iter().map(|text| Note { text, bad: true }).collect(),
@@ -150,9 +194,13 @@ impl App {
             dialog: None,
             closing: None,
             help: None,
+            preferences,
             variations: None,
             left: Vec::new(),
             watch: recovery::Watch::default(),
+            writing: None,
+            opening: None,
+            wake,
             words: None,
             quit: false,
             called: String::new(),
@@ -195,10 +243,18 @@ impl App {
         self.canvas.to_window()
     }
 
-    /// Whether nothing is being computed.
+    /// Whether nothing goes on beside the window: nothing is computed, written or looked for.
     #[must_use]
     pub fn is_idle(&self) -> bool {
-        self.progress.is_none() && self.building.is_none()
+        let computes = self.progress.is_under_way() || self.building.is_under_way();
+        let waits = self.writing.is_some() || self.opening.is_some();
+        !computes && !waits && !self.preferences.is_busy()
+    }
+
+    /// The settings of the program.
+    #[must_use]
+    pub fn settings(&self) -> &Settings {
+        self.preferences.keeper.settings()
     }
 
     /// What the first pane shows.
@@ -211,6 +267,7 @@ impl App {
     pub fn ui(&mut self, ui: &mut egui::Ui) {
         let ctx = ui.ctx().clone();
         self.hear(&ctx);
+        self.saving_answers();
         self.keys(&ctx);
         egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
@@ -238,7 +295,7 @@ impl App {
                 ui.selectable_value(&mut self.tool, tool, label);
             }
             ui.label("height of what is drawn");
-            ui.add(egui::DragValue::new(&mut self.height));
+            named(ui.add(egui::DragValue::new(&mut self.height)), "height of what is drawn");
         });
         let offers: Vec<_> =
             (0..self.panes.len()).map(|index| self.offer(index, drawable.as_ref())).collect();
@@ -280,10 +337,12 @@ impl App {
     fn floating(&mut self, ctx: &egui::Context) {
         self.search_ui(ctx);
         self.refusal_ui(ctx);
+        self.opening_ui(ctx);
         self.recovery_ui(ctx);
         self.closing_ui(ctx);
         self.words_ui(ctx);
         self.variations_ui(ctx);
+        self.settings_ui(ctx);
         if let Some(page) = &self.help
             && !page.show(ctx)
         {
@@ -357,6 +416,9 @@ impl eframe::App for App {
 
     fn on_exit(&mut self) {
         self.runner.stop();
+        if let Some(writing) = self.writing.take() {
+            writing.wait();
+        }
         if let Some(journal) = &self.journal {
             // What is unsaved at this point was given up, or stays to be recovered.
             let _ = journal.flush();

@@ -98,7 +98,7 @@ impl App {
                     left.forget();
                     self.tell("Recovered; save to keep it");
                 }
-                Err(errors) => self.complain(errors.to_string()),
+                Err(errors) => self.complain(super::open::in_words(&errors)),
             }
         }
         if let Some(index) = discard {
@@ -109,7 +109,10 @@ impl App {
     /// Compares the file with what was read of it, on a thread of its own, and asks when someone changed it.
     fn watch_file(&mut self, ctx: &egui::Context) {
         let now = ctx.input(|input| input.time);
-        if let Some(answer) = &self.watch.answer {
+        if self.writing.is_some() {
+            // What is being written here is no change of someone else's.
+            (self.watch.answer, self.watch.looked) = (None, now);
+        } else if let Some(answer) = &self.watch.answer {
             match answer.try_recv() {
                 Ok(changed) => {
                     self.watch.answer = None;
@@ -158,10 +161,7 @@ impl App {
         match answer {
             "Take theirs" => self.reload(),
             "Overwrite with mine" => {
-                if let Some(file) = &mut self.file {
-                    file.accept();
-                }
-                self.save();
+                self.save_over();
             }
             _ => {
                 self.watch.ignored = true;

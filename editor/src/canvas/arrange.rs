@@ -1,6 +1,6 @@
 //! Where nodes stand that nobody placed.
 
-use eframe::egui::{self, vec2};
+use eframe::egui;
 use indexmap::IndexMap;
 
 use super::{NodeView, Wire, body, node_id, sizes};
@@ -14,8 +14,8 @@ pub(super) fn arrangement(
     let sizes = sizes(ctx);
     let by_name: IndexMap<&str, &NodeView> = nodes.iter().map(|node| (node.name.as_str(), node)).collect();
     let boxes = nodes.iter().map(|node| {
-        let guess = vec2(body::WIDTH, 70.0 + 22.0 * node.inputs.len().max(node.outputs.len()) as f32);
-        let size = sizes.get(&node_id(&node.name)).copied().unwrap_or(guess);
+        // What was not drawn yet gets room for its picture: that comes later, and nodes stay where they are.
+        let size = sizes.get(&node_id(&node.name)).copied().unwrap_or_else(|| body::most(node));
         let size = [size.x, size.y];
         let layout_node = egui_graph::LayoutNode::new(size)
             .inputs(node.inputs.len())

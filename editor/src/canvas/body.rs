@@ -16,6 +16,16 @@ const GAP: f32 = 3.0;
 const TITLE: f32 = 38.0;
 const ROW: f32 = 18.0;
 
+/// How large a node can become, but for words about faults.
+pub(super) fn most(node: &NodeView) -> egui::Vec2 {
+    const EDGES: f32 = 20.0;
+    const STATE: f32 = 18.0;
+    let rows = node.inputs.len().max(node.outputs.len()) as f32;
+    let picture = if node.outputs.is_empty() { 0.0 } else { THUMBNAIL + GAP };
+    let comment = if node.comment.is_empty() { 0.0 } else { 2.0 * STATE };
+    vec2(WIDTH, EDGES + TITLE + rows * (ROW + GAP) + picture + comment + STATE)
+}
+
 /// How a node was drawn.
 pub(super) enum Body {
     /// With everything in it, which is this high.
@@ -90,7 +100,8 @@ pub(super) fn show(ctx: NodeCtx<'_>, node: &NodeView) -> FramedResponse<Body> {
 fn thumbnail(ui: &mut egui::Ui, node: &NodeView) {
     if let Some(picture) = node.thumbnail {
         ui.vertical_centered(|ui| {
-            ui.image(egui::load::SizedTexture::new(picture, vec2(THUMBNAIL, THUMBNAIL)));
+            let picture = egui::load::SizedTexture::new(picture, vec2(THUMBNAIL, THUMBNAIL));
+            ui.add(egui::Image::new(picture).alt_text(format!("picture of {}", node.name)));
         });
     }
 }

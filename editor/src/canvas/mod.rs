@@ -6,7 +6,9 @@
 mod arrange;
 mod background;
 mod body;
+mod fit;
 mod overview;
+mod tips;
 mod wheel;
 mod wires;
 
@@ -120,7 +122,7 @@ pub struct Canvas {
     to_window: TSTransform,
     rect: Option<Rect>,
     wheel: wheel::Wheel,
-    fit: bool,
+    fit: fit::Fit,
 }
 
 fn id() -> egui::Id {
@@ -134,7 +136,7 @@ fn node_id(name: &str) -> NodeId {
 impl Canvas {
     /// Shows all of the graph in the next frame.
     pub fn fit(&mut self) {
-        self.fit = true;
+        self.fit.ask();
     }
 
     /// Selects these nodes.
@@ -220,9 +222,7 @@ impl Canvas {
         let ctx = ui.ctx().clone();
         self.place(&ctx, nodes, wires);
         let mut gestures = Vec::new();
-        if std::mem::take(&mut self.fit) {
-            self.look_at_all(&ctx, nodes);
-        }
+        self.look_at_all(&ctx, nodes, layout);
         let index: IndexMap<NodeId, usize> =
             nodes.iter().enumerate().map(|(index, node)| (node_id(&node.name), index)).collect();
         let mut graph =
@@ -329,9 +329,17 @@ impl Canvas {
         })
     }
 
-    fn look_at_all(&mut self, ctx: &egui::Context, nodes: &[NodeView]) {
-        let all = self.rects(ctx, nodes).into_iter().map(|(rect, _)| rect).reduce(Rect::union);
-        let Some(all) = all else { return };
+    fn look_at_all(&mut self, ctx: &egui::Context, nodes: &[NodeView], layout: &Layout) {
+        let frames = layout.frames.iter().map(|frame| {
+            let (x, y, width, height) = frame.rect;
+            Rect::from_min_size(pos2(x as f32, y as f32), vec2(width as f32, height as f32))
+        });
+        let all = self.rects(ctx, nodes).into_iter().map(|(rect, _)| rect).chain(frames).reduce(Rect::union);
+        // Of an empty graph the place where its first nodes will stand.
+        let all = all.unwrap_or(Rect::from_center_size(Pos2::ZERO, Vec2::ZERO));
+        if !self.fit.is_due(ctx, all) {
+            return;
+        }
         // As large as drawn where that fits, else smaller.
         let all = all.expand(40.0);
         let size = all.size().max(self.rect().size());
@@ -376,13 +384,7 @@ impl Canvas {
                 let label = format!("{kind} {}.{}", node.name, port.name);
                 egui::WidgetInfo::labeled(egui::WidgetType::Button, true, label)
             });
-            socket.clone().on_hover_ui(|ui| {
-                ui.strong(&port.name);
-                ui.label(
-                    port.value_type.map_or_else(|| "of unknown type".to_owned(), |kind| kind.to_string()),
-                );
-                ui.label(&port.doc);
-            });
+            tips::port(socket, port);
         }
         if let Some(event) = response.edge_event() {
             match event {

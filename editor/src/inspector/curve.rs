@@ -30,8 +30,10 @@ pub(super) fn edit(
     let held = ui.data(|data| data.get_temp::<usize>(response.id));
     let mut next = points.to_vec();
     let mut done = false;
+    // A drag is told of once the pointer has moved away from where it began.
+    let begun = ui.input(|input| input.pointer.press_origin()).unwrap_or(pointer);
     if response.drag_started()
-        && let Some(index) = line.iter().position(near)
+        && let Some(index) = line.iter().position(|place| place.distance(begun) <= 2.5 * RADIUS)
     {
         ui.data_mut(|data| data.insert_temp(response.id, index));
     } else if response.dragged()

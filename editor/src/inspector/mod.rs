@@ -2,6 +2,7 @@
 
 mod curve;
 mod param;
+mod slide;
 
 use std::collections::HashMap;
 

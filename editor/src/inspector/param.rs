@@ -1,11 +1,12 @@
 //! One widget for each kind of parameter.
 
-use std::ops::RangeInclusive;
-
-use eframe::egui::{self, SliderClamping};
+use eframe::egui;
 use orograph_core::{ParamKind, ParamSpec, ParamValue, Unit};
 
-use super::{curve, named};
+use super::{
+    curve, named,
+    slide::{Slid, slide},
+};
 
 /// What came of a widget in this frame.
 #[derive(Default)]
@@ -27,18 +28,16 @@ pub(super) fn edit(ui: &mut egui::Ui, label: &str, spec: &ParamSpec, value: &Par
     match (&spec.kind, value) {
         (ParamKind::Number { slider, .. }, ParamValue::Number(number)) => {
             let mut number = *number;
-            let slider = slide(&mut number, slider.0..=slider.1).suffix(unit);
-            let response = ui.add(slider);
-            answer(&response, label, ParamValue::Number(number))
+            let slid = slide(ui, label, &mut number, slider.0..=slider.1, &unit);
+            slid_to(&slid, ParamValue::Number(number))
         }
         (ParamKind::Integer { range, .. }, ParamValue::Integer(integer)) if spec.unit == Unit::Seed => {
             seed(ui, label, *range, *integer)
         }
         (ParamKind::Integer { slider, .. }, ParamValue::Integer(integer)) => {
             let mut integer = *integer;
-            let widget = egui::Slider::new(&mut integer, slider.0..=slider.1).clamping(SliderClamping::Never);
-            let response = ui.add(widget.suffix(unit));
-            answer(&response, label, ParamValue::Integer(integer))
+            let slid = slide(ui, label, &mut integer, slider.0..=slider.1, &unit);
+            slid_to(&slid, ParamValue::Integer(integer))
         }
         (ParamKind::Boolean, ParamValue::Boolean(on)) => {
             let mut on = *on;
@@ -78,12 +77,8 @@ pub(super) fn edit(ui: &mut egui::Ui, label: &str, spec: &ParamSpec, value: &Par
     }
 }
 
-/// A slider over the range that the spec suggests; a value typed beyond it is taken as typed.
-fn slide(number: &mut f64, range: RangeInclusive<f64>) -> egui::Slider<'_> {
-    let (low, high) = (*range.start(), *range.end());
-    // Over several powers of ten equal steps would make the low end unreachable.
-    let wide = low > 0.0 && high / low >= 1000.0;
-    egui::Slider::new(number, range).clamping(SliderClamping::Never).logarithmic(wide)
+fn slid_to(slid: &Slid, value: ParamValue) -> Answer {
+    Answer { value: slid.changed.then_some(value), done: slid.done, file: None }
 }
 
 fn answer(response: &egui::Response, label: &str, value: ParamValue) -> Answer {

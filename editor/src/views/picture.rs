@@ -126,6 +126,11 @@ impl Picture {
                         ];
                         d[0] * d[0] + d[1] * d[1] >= STEP * STEP
                     };
+                    // A drag is told of once the pointer has moved away from where it began.
+                    let begun = response.ctx.input(|input| input.pointer.press_origin());
+                    if let Some(begun) = begun.filter(|_| self.stroke.is_empty()) {
+                        self.stroke.push(share(place, begun));
+                    }
                     if self.stroke.last().is_none_or(far) {
                         self.stroke.push(at);
                     }

@@ -17,14 +17,18 @@ pub(crate) const HELD_CTRL: Modifiers = Modifiers { ctrl: true, command: true, .
 
 /// Chooses an entry of a menu by the pointer. What stands after the name, such as what would be undone, may differ.
 pub(crate) fn menu(editor: &mut Editor, menu: &str, entry: &str) {
+    choose(editor, menu, entry);
+    settle(editor);
+}
+
+/// Chooses an entry of a menu; what it does comes with the next frames.
+pub(crate) fn choose(editor: &mut Editor, menu: &str, entry: &str) {
     editor.get_by_role_and_label(Role::Button, menu).click();
     editor.run_steps(3);
     let entries: Vec<_> = editor.query_all_by_role(Role::Button).filter(|node| names(node, entry)).collect();
     assert_eq!(entries.len(), 1, "the menu {menu} has {entry} once");
     assert!(!entries[0].accesskit_node().is_disabled(), "{entry} can be chosen");
     entries[0].click();
-    drop(entries);
-    settle(editor);
 }
 
 fn names<'t>(node: &impl NodeT<'t>, entry: &str) -> bool {

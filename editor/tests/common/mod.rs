@@ -66,25 +66,28 @@ impl Place {
     }
 
     pub(crate) fn start(&self) -> Start {
-        Start {
-            registry: Arc::new(orograph_session::built_in().unwrap()),
-            evaluator: Arc::new(Evaluator::new(Cache::new(1 << 28, None), 2).unwrap()),
-            file: Some(self.graph.clone()),
-            recoveries: None,
-            out: self.out(),
-            notes: Vec::new(),
-            dialogs: Arc::new(|_, _| None),
-        }
+        let registry = Arc::new(orograph_session::built_in().unwrap());
+        let evaluator = Arc::new(Evaluator::new(Cache::new(1 << 28, None), 2).unwrap());
+        Start { file: Some(self.graph.clone()), out: self.out(), ..Start::with(registry, evaluator) }
     }
 }
 
 pub(crate) fn open(start: Start) -> Editor {
-    open_at(start, 4.0)
+    open_with(start, 4.0, vec2(1500.0, 1000.0))
 }
 
 /// An editor that draws so many frames a second of its time.
 pub(crate) fn open_at(start: Start, frames: f32) -> Editor {
-    let harness = Harness::builder().with_size(vec2(1500.0, 1000.0)).with_step_dt(1.0 / frames);
+    open_with(start, frames, vec2(1500.0, 1000.0))
+}
+
+/// An editor in a window of another size.
+pub(crate) fn open_sized(start: Start, size: Vec2) -> Editor {
+    open_with(start, 4.0, size)
+}
+
+fn open_with(start: Start, frames: f32, size: Vec2) -> Editor {
+    let harness = Harness::builder().with_size(size).with_step_dt(1.0 / frames);
     let mut editor = harness.with_max_steps(200).build_ui_state(
         |ui, window: &mut Window| {
             if let Some(start) = window.start.take() {
@@ -108,6 +111,27 @@ pub(crate) fn settle(editor: &mut Editor) {
         editor.run_steps(1);
         quiet = if editor.state().app().is_idle() { quiet + 1 } else { 0 };
         assert!(begun.elapsed() < Duration::from_secs(120), "the editor does not come to rest");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+}
+
+/// Frames until something is so, which may take more than what is computed: a dialog, a thread.
+pub(crate) fn until(editor: &mut Editor, is_so: impl Fn(&App) -> bool) {
+    let begun = Instant::now();
+    while !is_so(editor.state().app()) {
+        editor.run_steps(1);
+        assert!(begun.elapsed() < Duration::from_secs(120), "it does not come to be so");
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    settle(editor);
+}
+
+/// Frames until words stand somewhere in the window.
+pub(crate) fn until_shown(editor: &mut Editor, words: &str) {
+    let begun = Instant::now();
+    while editor.query_all_by_label_contains(words).count() == 0 {
+        editor.run_steps(1);
+        assert!(begun.elapsed() < Duration::from_secs(120), "nothing says `{words}`");
         std::thread::sleep(Duration::from_millis(2));
     }
 }

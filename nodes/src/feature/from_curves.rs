@@ -78,13 +78,7 @@ impl Node for FromCurves {
         let mut curves: Vec<Vec<[f64; 3]>> = Vec::new();
         for line in &self.lines.0 {
             let place = |point: &[f64; 3]| {
-                let (row, col) = match self.coordinates {
-                    Coordinates::Extent => (
-                        point[1] * grid.rows.saturating_sub(1) as f64,
-                        point[0] * grid.cols.saturating_sub(1) as f64,
-                    ),
-                    Coordinates::World => grid.locate([point[0], point[1]].into()),
-                };
+                let (row, col) = self.coordinates.locate(&grid, point);
                 [row, col, point[2]]
             };
             curves.push(line.iter().map(place).collect());

@@ -19,6 +19,7 @@ pub mod medial;
 mod nearest;
 pub mod network;
 mod openings;
+pub mod paint;
 pub mod plan;
 pub mod polygon_breaking;
 pub mod ppa;
@@ -42,6 +43,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<classify::Classify>(),
         NodeType::of::<from_curves::FromCurves>(),
         NodeType::of::<from_sketch::FromSketch>(),
+        NodeType::of::<paint::Paint>(),
         NodeType::of::<plan::Plan>(),
         NodeType::of::<polygon_breaking::PolygonBreaking>(),
         NodeType::of::<ppa::Ppa>(),

@@ -79,7 +79,7 @@ impl Node for Placement {
 }
 
 /// A colour of a patch's own: any hue, never dark.
-fn tint(label: u32) -> [u8; 4] {
+pub(crate) fn tint(label: u32) -> [u8; 4] {
     let bits = key(0, STREAM, i64::from(label), 0);
     let channel = |shift: u32| 70 + ((bits >> shift & 0xff) * 185 / 255) as u8;
     [channel(0), channel(8), channel(16), 255]

@@ -16,6 +16,51 @@ pub enum Coordinates {
     World,
 }
 
+impl Coordinates {
+    /// The row and column of a drawn point.
+    pub(crate) fn locate(self, grid: &Grid, point: &[f64; 3]) -> (f64, f64) {
+        match self {
+            Self::Extent => {
+                (point[1] * grid.rows.saturating_sub(1) as f64, point[0] * grid.cols.saturating_sub(1) as f64)
+            }
+            Self::World => grid.locate([point[0], point[1]].into()),
+        }
+    }
+}
+
+/// Draws lines of (x, y, height) one cell wide, later ones over earlier ones; one point alone is a cell.
+///
+/// # Errors
+/// Cancellation.
+pub(crate) fn draw(
+    lines: &Lines,
+    coordinates: Coordinates,
+    onto: &mut Heightfield,
+    job: &Job<'_>,
+) -> Result<()> {
+    let grid = onto.grid().clone();
+    if grid.is_empty() {
+        return Ok(());
+    }
+    let (rows, cols) = grid.size();
+    let place = |point: &[f64; 3]| {
+        let (row, col) = coordinates.locate(&grid, point);
+        (row.round() as i64, col.round() as i64)
+    };
+    let heights = onto.cells_mut();
+    for points in &lines.0 {
+        job.check()?;
+        // A line of one point is a segment from it to itself.
+        let ends = points.iter().zip(points.iter().skip(1).chain(points.last()));
+        for (a, b) in ends.take(points.len().saturating_sub(1).max(1)) {
+            line(place(a), place(b), (rows, cols), |row, col, share| {
+                heights[row * cols + col] = (a[2] + (b[2] - a[2]) * share) as f32;
+            });
+        }
+    }
+    Ok(())
+}
+
 /// What becomes of the heights of `like`.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Base {
@@ -93,7 +138,7 @@ impl Node for Sketch {
         if let Some(picture) = inputs.picture {
             self.paint(picture, &mut constraints, job)?;
         }
-        self.draw(&mut constraints, job)?;
+        draw(&self.lines, self.coordinates, &mut constraints, job)?;
         if let Some(like) = inputs.like.filter(|_| self.base == Base::Over) {
             let base = like.cells().iter();
             for (out, height) in constraints.cells_mut().iter_mut().zip(base).filter(|(_, h)| !h.is_nan()) {
@@ -131,30 +176,6 @@ impl Sketch {
                     *out = (*sum / f64::from(*count)) as f32;
                 }
                 (*sum, *count) = (0.0, 0);
-            }
-        }
-        Ok(())
-    }
-
-    fn draw(&self, constraints: &mut Heightfield, job: &Job<'_>) -> Result<()> {
-        let grid = constraints.grid().clone();
-        let (rows, cols) = grid.size();
-        let place = |point: &[f64; 3]| {
-            let (row, col) = match self.coordinates {
-                Coordinates::Extent => (point[1] * (rows - 1) as f64, point[0] * (cols - 1) as f64),
-                Coordinates::World => grid.locate([point[0], point[1]].into()),
-            };
-            (row.round() as i64, col.round() as i64)
-        };
-        let heights = constraints.cells_mut();
-        for points in &self.lines.0 {
-            job.check()?;
-            // A line of one point is a segment from it to itself.
-            let ends = points.iter().zip(points.iter().skip(1).chain(points.last()));
-            for (a, b) in ends.take(points.len().saturating_sub(1).max(1)) {
-                line(place(a), place(b), (rows, cols), |row, col, share| {
-                    heights[row * cols + col] = (a[2] + (b[2] - a[2]) * share) as f32;
-                });
             }
         }
         Ok(())

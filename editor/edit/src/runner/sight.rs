@@ -5,20 +5,27 @@ use std::sync::Arc;
 use orograph_core::{Error, Unit, Value, ValueType};
 use orograph_engine::{Compiled, Graph, Outcome, OutputRef, Request, document::Link};
 
-use super::{Badge, Fault, News, Round, Scene, Shown, Watcher, Wish, fault, outermost};
+use super::{Badge, Fault, News, Round, Scene, Shown, Wish, fault};
 use crate::{
     beside::{Beside, grid_of, largest_difference, same_ground, unlike},
-    chain::{Chain, is_look},
+    chain::Chain,
     looks::{self, Colours, Scale},
+    teller::{Work, is_look, outermost},
 };
 
 impl Round {
-    pub(super) fn meet(&self, wish: &Wish, compiled: &Compiled, scene: &Scene) -> Result<Shown, Vec<Fault>> {
+    pub(super) fn meet(
+        &self,
+        wish: &Wish,
+        work: Work,
+        compiled: &Compiled,
+        scene: &Scene,
+    ) -> Result<Shown, Vec<Fault>> {
         let output = find(compiled, &wish.output)?;
         let shown = match &wish.beside {
-            Beside::Nothing => self.alone(wish, compiled, output, scene)?,
-            Beside::Against(other) => return self.against(wish, compiled, (output, other), scene),
-            Beside::Over(grounds) => self.over(wish, compiled, (output, grounds), scene)?,
+            Beside::Nothing => self.alone(wish, work, compiled, output, scene)?,
+            Beside::Against(other) => return self.against(wish, work, compiled, (output, other), scene),
+            Beside::Over(grounds) => self.over(wish, work, compiled, (output, grounds), scene)?,
         };
         let look = wish.look.as_ref().and_then(|look| self.registry.get(look));
         let scale = look.and_then(|look| looks::scale(look.spec(), &shown.value));
@@ -28,6 +35,7 @@ impl Round {
     fn alone(
         &self,
         wish: &Wish,
+        work: Work,
         compiled: &Compiled,
         output: OutputRef,
         scene: &Scene,
@@ -37,7 +45,7 @@ impl Round {
         let picture = picture.map_err(|words| about(wish, words))?;
         let graph = chain.build().map_err(|words| about(wish, words))?;
         let asked = std::iter::once(output).chain(picture).collect();
-        let (values, faults) = self.values(wish, graph, asked, scene);
+        let (values, faults) = self.values(wish, work, graph, asked, scene);
         let mut values = values.into_iter();
         let value = met(values.next(), &faults)?;
         let picture = picture.map(|_| met(values.next(), &faults)).transpose()?;
@@ -47,12 +55,14 @@ impl Round {
     fn against(
         &self,
         wish: &Wish,
+        work: Work,
         compiled: &Compiled,
         (output, other): (OutputRef, &Link),
         scene: &Scene,
     ) -> Result<Shown, Vec<Fault>> {
+        let [first, then] = work.halves();
         let pair = [output, find(compiled, other)?];
-        let (values, faults) = self.values(wish, compiled.graph.clone(), pair.to_vec(), scene);
+        let (values, faults) = self.values(wish, first, compiled.graph.clone(), pair.to_vec(), scene);
         let mut values = values.into_iter();
         let (value, second) = (met(values.next(), &faults)?, met(values.next(), &faults)?);
         if let Some(fault) = unlike((&wish.output, &value), (other, &second)) {
@@ -63,7 +73,7 @@ impl Round {
         let mut chain = Chain::on(&compiled.graph, &self.registry);
         let picture = chain.difference(pair, shares, largest).map_err(|words| about(wish, words))?;
         let graph = chain.build().map_err(|words| about(wish, words))?;
-        let (values, faults) = self.values(wish, graph, vec![picture], scene);
+        let (values, faults) = self.values(wish, then, graph, vec![picture], scene);
         let picture = Some(met(values.into_iter().next(), &faults)?);
         let unit = if shares { Unit::One } else { Unit::Metre };
         let scale = Some(Scale { colours: Colours::Diverging, low: -largest, high: largest, unit });
@@ -73,14 +83,16 @@ impl Round {
     fn over(
         &self,
         wish: &Wish,
+        work: Work,
         compiled: &Compiled,
         (output, grounds): (OutputRef, &[Link]),
         scene: &Scene,
     ) -> Result<Shown, Vec<Fault>> {
+        let [first, then] = work.halves();
         // Terrain that cannot be had is none to draw upon, and no fault of what is drawn.
         let grounds: Vec<_> = grounds.iter().filter_map(|link| find(compiled, link).ok()).collect();
         let asked = std::iter::once(output).chain(grounds.iter().copied()).collect();
-        let (values, faults) = self.values(wish, compiled.graph.clone(), asked, scene);
+        let (values, faults) = self.values(wish, first, compiled.graph.clone(), asked, scene);
         let mut values = values.into_iter();
         let value = met(values.next(), &faults)?;
         let lies = |ground: &Value| match (grid_of(&value), ground) {
@@ -105,7 +117,7 @@ impl Round {
         let picture = chain.look(look, output, under).map_err(|words| about(wish, words))?;
         let graph = chain.build().map_err(|words| about(wish, words))?;
         let asked = std::iter::once(picture).chain(under).collect();
-        let (values, faults) = self.values(wish, graph, asked, scene);
+        let (values, faults) = self.values(wish, then, graph, asked, scene);
         let mut values = values.into_iter();
         let picture = Some(met(values.next(), &faults)?);
         Ok(Shown { value, picture, beside, ground: values.next().flatten(), scale: None })
@@ -115,15 +127,14 @@ impl Round {
     fn values(
         &self,
         wish: &Wish,
+        work: Work,
         graph: Graph,
         outputs: Vec<OutputRef>,
         scene: &Scene,
     ) -> (Vec<Option<Value>>, Vec<Fault>) {
         let mut request = Request::values(Arc::new(graph), outputs);
         request.context = scene.context;
-        let watcher =
-            Arc::new(Watcher { number: self.number, sender: self.sender.clone(), wake: self.wake.clone() });
-        let report = self.evaluator.run(request, watcher, &self.token);
+        let report = self.evaluator.run(request, self.teller(work), &self.token);
         for node in &report.nodes {
             let done = match &node.outcome {
                 Outcome::Failed(_) | Outcome::Skipped { .. } => continue,
