@@ -4,6 +4,8 @@
 //! ([`operations`], [`subgraph`], [`clipboard`]), [`Editing`] finds out what it changed, and that [`Delta`] is what
 //! undo takes back. The document is the one that the command line runs.
 
+pub mod beside;
+mod chain;
 pub mod clipboard;
 mod delta;
 pub mod file;
@@ -18,6 +20,7 @@ pub mod subgraph;
 mod teller;
 mod time_left;
 
+pub use beside::Beside;
 pub use delta::{Change, Delta, Foreign, Swap};
 pub use file::OpenFile;
 pub use history::Editing;

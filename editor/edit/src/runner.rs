@@ -3,6 +3,8 @@
 //! A new edit starts a new round and then ends the old one. Both go through one evaluator, which computes each thing
 //! once for everyone who wants it, so what the edit did not touch goes on.
 
+mod sight;
+
 use std::{
     collections::VecDeque,
     path::PathBuf,
@@ -13,18 +15,19 @@ use std::{
     time::{Duration, Instant},
 };
 
-use orograph_core::{Context, Error, Value};
+use orograph_core::{Context, Value};
 use orograph_engine::{
-    CancelToken, CompileOptions, Compiled, Document, DocumentErrors, Evaluator, Graph, Outcome, OutputRef,
-    Registry, Request, compile,
+    CancelToken, CompileOptions, Compiled, Document, DocumentErrors, Evaluator, Registry, compile,
     document::{Link, read_file},
 };
 
 use orograph_session::Targets;
 
 use crate::{
+    beside::Beside,
+    looks::Scale,
     operations::part,
-    teller::{LOOK, Teller, Work, is_look, outermost},
+    teller::{Teller, Work, outermost},
 };
 
 /// Something that is to be shown.
@@ -36,6 +39,8 @@ pub struct Wish {
     pub output: Link,
     /// The node type that makes a picture of it, when that is wished.
     pub look: Option<String>,
+    /// What the picture shows besides: what it is compared with, or the terrain that it lies on.
+    pub beside: Beside,
     /// Settings that replace those of the document, as `orograph run --set` takes them.
     pub overrides: Vec<(String, String)>,
 }
@@ -69,6 +74,12 @@ pub struct Shown {
     pub value: Value,
     /// The picture of it, when one was wished.
     pub picture: Option<Value>,
+    /// What it is compared with, or the terrain that it lies on.
+    pub beside: Option<Value>,
+    /// The picture of that terrain alone.
+    pub ground: Option<Value>,
+    /// What the colours of the picture mean.
+    pub scale: Option<Scale>,
 }
 
 /// How a node stands.
@@ -316,7 +327,11 @@ impl Round {
                 Ok(compiled) if wish.overrides.is_empty() => self.meet(wish, work, compiled, scene),
                 // What is wrong elsewhere does not matter here.
                 _ => {
-                    let part = part(&scene.document, &[&wish.output.node]);
+                    let mut nodes = vec![wish.output.node.as_str()];
+                    if let Beside::Against(other) = &wish.beside {
+                        nodes.push(&other.node);
+                    }
+                    let part = part(&scene.document, &nodes);
                     self.compile(&part, scene, &wish.overrides)
                         .map_err(|errors| faults(&errors))
                         .and_then(|compiled| self.meet(wish, work, &compiled, scene))
@@ -326,60 +341,6 @@ impl Round {
                 self.tell(News::Shown(wish.name.clone(), result));
                 self.tell(work.share(1.0));
             }
-        }
-    }
-
-    fn meet(&self, wish: &Wish, work: Work, compiled: &Compiled, scene: &Scene) -> Result<Shown, Vec<Fault>> {
-        let about = |error: String, help: Option<String>| {
-            vec![Fault { node: Some(wish.output.node.clone()), message: error, help }]
-        };
-        let output = compiled.output(&wish.output.to_string()).map_err(|error| vec![fault(&error)])?;
-        if let Some(error) = compiled.missing.get(&output.node) {
-            return Err(vec![fault(error)]);
-        }
-        let (graph, picture) = match &wish.look {
-            Some(look) => {
-                self.with_look(&compiled.graph, output, look).map_err(|error| about(error, None))?
-            }
-            None => (compiled.graph.clone(), None),
-        };
-        let mut request = Request::values(Arc::new(graph), std::iter::once(output).chain(picture).collect());
-        request.context = scene.context;
-        let report = self.evaluator.run(request, self.teller(work), &self.token);
-        for node in &report.nodes {
-            let done = match &node.outcome {
-                Outcome::Failed(_) | Outcome::Skipped { .. } => continue,
-                outcome => Badge::Done {
-                    how: outcome.word(),
-                    micros: node.micros,
-                    bytes: node.bytes,
-                    warnings: node.warnings.clone(),
-                },
-            };
-            if !is_look(&node.name) {
-                self.tell(News::Node(outermost(&node.name).to_owned(), done));
-            }
-        }
-        let failures = report.failures().filter(|(_, error)| **error != Error::Cancelled);
-        let failures: Vec<_> = failures
-            .map(|(node, error)| Fault {
-                node: Some(if is_look(&node.name) {
-                    wish.output.node.clone()
-                } else {
-                    outermost(&node.name).to_owned()
-                }),
-                message: error.to_string(),
-                help: error.hint(),
-            })
-            .collect();
-        let mut values = report.values.into_iter();
-        match values.next().flatten() {
-            Some(value) => match (picture, values.next().flatten()) {
-                (Some(_), None) if !failures.is_empty() => Err(failures),
-                (_, picture) => Ok(Shown { value, picture }),
-            },
-            None if failures.is_empty() => Err(about("cancelled".into(), None)),
-            None => Err(failures),
         }
     }
 
@@ -412,28 +373,6 @@ impl Round {
             .flat_map(|node| &node.files)
             .map(|file| file.name.display().to_string())
             .collect())
-    }
-
-    /// The graph with a node more, which makes a picture of an output.
-    fn with_look(
-        &self,
-        graph: &Graph,
-        output: OutputRef,
-        look: &str,
-    ) -> Result<(Graph, Option<OutputRef>), String> {
-        let Some(node_type) = self.registry.get(look) else {
-            return Err(format!("there is no view `{look}`"));
-        };
-        let spec = node_type.spec();
-        let input = spec.inputs.first().map(|port| port.name.to_string()).unwrap_or_default();
-        let values = spec.params.iter().map(|param| param.default.clone()).collect();
-        let mut builder = graph.clone().into_builder();
-        let wrong = |error: orograph_engine::GraphError| error.to_string();
-        let id = builder.add(LOOK, node_type, values).map_err(wrong)?;
-        builder.wire(output, id, &input).map_err(wrong)?;
-        let graph = builder.build().map_err(wrong)?;
-        let port = crate::looks::picture_port(spec).ok_or_else(|| format!("`{look}` makes no picture"))?;
-        Ok((graph, Some(OutputRef { node: id, output: port })))
     }
 }
 

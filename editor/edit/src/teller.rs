@@ -27,6 +27,14 @@ impl Work {
         }
     }
 
+    /// The first and the second half of it, for what takes two runs.
+    pub(crate) fn halves(self) -> [Self; 2] {
+        match self {
+            Self::Wish { met, of } => [2 * met, 2 * met + 1].map(|met| Self::Wish { met, of: 2 * of }),
+            Self::Build => [self; 2],
+        }
+    }
+
     /// Whether badges on nodes tell of it: those of a preview stand for what is seen.
     fn has_badges(self) -> bool {
         matches!(self, Self::Wish { .. })
@@ -70,11 +78,11 @@ fn failed<'a>(node: &'a str, outcome: &Outcome) -> Option<(&'a str, Badge)> {
     }
 }
 
-/// A name that no node of a document can have.
+/// How the names of nodes begin that make pictures; no node of a document can have such a name.
 pub(crate) const LOOK: &str = "a look at it";
 
 pub(crate) fn is_look(name: &str) -> bool {
-    name == LOOK
+    name.starts_with(LOOK)
 }
 
 /// The node of the document that a node of the flat graph belongs to.
@@ -108,6 +116,17 @@ mod tests {
         assert_eq!(shares.len(), 8);
         assert!(shares.is_sorted(), "{shares:?}");
         assert_eq!((shares[0], shares[7]), (0.0625, 1.0));
+    }
+
+    #[test]
+    fn the_halves_of_a_wish_follow_each_other() {
+        let [first, second] = Work::Wish { met: 1, of: 4 }.halves();
+        let share = |work: Work, overall| match work.share(overall) {
+            News::Progress(share) => share,
+            other => panic!("{other:?}"),
+        };
+        assert_eq!([share(first, 0.0), share(first, 1.0)], [0.25, 0.375]);
+        assert_eq!([share(second, 0.0), share(second, 1.0)], [0.375, 0.5]);
     }
 
     #[test]

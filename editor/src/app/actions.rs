@@ -7,7 +7,7 @@ use orograph_engine::Document;
 use super::{App, Command, Question, dialogs::Then, help::Page, search::Search, words::Whose};
 use crate::{
     app::command::ENTRIES,
-    views::{Mode, Pane},
+    views::{self, Mode, Pane},
 };
 
 /// How far a second copy stands from the first.
@@ -32,14 +32,16 @@ impl App {
             }
             return;
         }
-        let typing = ctx.egui_wants_keyboard_input() || self.search.is_some();
+        let view = views::has_keyboard(ctx);
+        let typing = (ctx.egui_wants_keyboard_input() && !view) || self.search.is_some();
         let mut chosen = Vec::new();
         ctx.input_mut(|input| {
             for entry in &ENTRIES {
                 let Some(key) = entry.shortcut() else { continue };
                 // While text is typed, plain keys are letters, and undo is the field's own.
                 let text = typing && (!key.modifiers.command || entry.menu == super::command::Menu::Edit);
-                if !text && input.consume_shortcut(&key) {
+                let own = view && views::takes(&key);
+                if !text && !own && input.consume_shortcut(&key) {
                     chosen.push(entry.command);
                 }
             }

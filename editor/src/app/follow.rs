@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui;
 use orograph_core::ValueType;
-use orograph_edit::{Delta, OpenFile, Scene, Wish};
+use orograph_edit::{Beside, Delta, OpenFile, Scene, Wish};
 use orograph_engine::{
     Document,
     document::{GRAPH, Link},
@@ -60,12 +60,24 @@ impl App {
     fn follow_selection(&mut self) {
         let Some(name) = self.canvas.selection.last().cloned() else { return };
         let output = self.output_to_show(&name);
-        for pane in self.panes.iter_mut().filter(|pane| pane.pinned.is_none()) {
-            if pane.output != output {
+        let document = self.editing.document().clone();
+        for index in 0..self.panes.len() {
+            let pane = &self.panes[index];
+            // Another output of the same node was chosen in the pane.
+            let chosen = pane.output.clone().filter(|output| output.node == name);
+            let stays = chosen.is_some_and(|output| self.gives(&document, &output));
+            let pane = &mut self.panes[index];
+            if pane.pinned.is_none() && !stays && pane.output != output {
                 pane.output.clone_from(&output);
                 pane.clear();
             }
         }
+    }
+
+    /// Whether a node has an output of that name.
+    fn gives(&mut self, document: &Document, output: &Link) -> bool {
+        let Some(node) = document.nodes.get(&output.node) else { return false };
+        self.interfaces.of(&output.node, node, document).output(&output.port).is_some()
     }
 
     /// What to look at of a node: its first output, or of one that gives nothing, what it is given.
@@ -90,7 +102,8 @@ impl App {
         let mut wishes = Vec::new();
         for index in 0..self.panes.len() {
             let value_type = self.panes[index].output.clone().and_then(|output| self.type_of(&output));
-            wishes.extend(self.panes[index].wish(&self.registry, value_type));
+            let beside = self.beside(index, value_type);
+            wishes.extend(self.panes[index].wish(&self.registry, value_type, beside));
         }
         wishes.extend(self.variations.iter().flat_map(Variations::wishes));
         if self.thumbnails {
@@ -105,6 +118,7 @@ impl App {
                         name: nodes::picture_name(name),
                         output,
                         look,
+                        beside: Beside::Nothing,
                         overrides: Vec::new(),
                     });
                 }

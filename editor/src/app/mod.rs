@@ -2,6 +2,7 @@
 
 mod actions;
 mod asks;
+mod beside;
 mod build_out;
 mod command;
 mod dialogs;
@@ -41,7 +42,7 @@ pub use settings::PluginLoader;
 use crate::{
     canvas::{Canvas, NodeView, Wire},
     inspector::{Inspector, named},
-    views::{Pane, Tool},
+    views::{Compare, Pane, Tool},
 };
 use progress::Progress;
 use search::Search;
@@ -105,6 +106,7 @@ pub struct App {
     canvas: Canvas,
     inspector: Inspector,
     panes: Vec<Pane>,
+    compare: Compare,
     tool: Tool,
     height: f64,
     context: Context,
@@ -169,6 +171,7 @@ impl App {
             canvas: Canvas::default(),
             inspector: Inspector::default(),
             panes: vec![Pane::new("view")],
+            compare: Compare::default(),
             tool: Tool::Look,
             height: 1.0,
             context: Context { seed: 0, resolution: Some(512) },
@@ -294,23 +297,9 @@ impl App {
             ui.label("height of what is drawn");
             named(ui.add(egui::DragValue::new(&mut self.height)), "height of what is drawn");
         });
-        let width = ui.available_width() / self.panes.len().max(1) as f32;
-        let height = ui.available_height();
-        let mut asked = Vec::new();
-        ui.horizontal_top(|ui| {
-            for index in 0..self.panes.len() {
-                let value_type = self.panes[index].output.clone().and_then(|output| self.type_of(&output));
-                let lines = self.lines_for(index, drawable.as_ref());
-                let size = egui::vec2(width - 6.0, height);
-                let (tool, registry) = (self.tool, self.registry.clone());
-                let pane = &mut self.panes[index];
-                ui.allocate_ui_with_layout(size, egui::Layout::top_down(egui::Align::Min), |ui| {
-                    ui.set_min_size(size);
-                    let answers = pane.ui(ui, &registry, value_type, tool, &lines);
-                    asked.extend(answers.into_iter().map(|asked| (index, asked)));
-                });
-            }
-        });
+        let offers: Vec<_> =
+            (0..self.panes.len()).map(|index| self.offer(index, drawable.as_ref())).collect();
+        let asked = self.compare.ui(ui, &mut self.panes, &self.registry, &offers, self.tool);
         for (index, asked) in asked {
             self.asked_of_pane(index, asked, drawable.as_ref());
         }

@@ -54,6 +54,14 @@ impl App {
     pub(super) fn asked_of_pane(&mut self, index: usize, asked: Asked, drawable: Option<&Drawable>) {
         match asked {
             Asked::Mode(mode) => self.pane_mode(index, mode),
+            Asked::Output(output) => {
+                let Some(pane) = self.panes.get_mut(index) else { return };
+                if pane.pinned.is_some() {
+                    pane.pinned = Some(output.clone());
+                }
+                pane.output = Some(output);
+                pane.clear();
+            }
             Asked::Pin(pin) => {
                 let Some(pane) = self.panes.get_mut(index) else { return };
                 pane.pinned = if pin { pane.output.clone() } else { None };

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 
 use eframe::egui;
 use orograph_core::{ParamKind, ParamSpec, ParamValue, Unit};
-use orograph_edit::{Fault, Shown, Wish};
+use orograph_edit::{Beside, Fault, Shown, Wish};
 use orograph_engine::document::{Link, Literal};
 
 use super::App;
@@ -61,6 +61,7 @@ impl Variations {
             name: self.name(index),
             output: self.output.clone(),
             look: Some(self.look.clone()),
+            beside: Beside::Nothing,
             overrides: vec![(self.param.to_string(), Literal::from(value).to_ron())],
         };
         self.values.iter().enumerate().map(wish).collect()

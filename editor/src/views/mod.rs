@@ -1,18 +1,33 @@
 //! Panes that show values: as pictures, as ground in three dimensions, as tables.
 
+mod bar;
+mod compare;
 mod ground;
+mod keys;
+mod legend;
+mod numbers;
 mod picture;
+mod plot;
+mod probe;
+mod series;
 mod table;
+mod view;
 
 use eframe::egui;
 use orograph_core::{Texture, Value, ValueType};
-use orograph_edit::{Fault, Shown, Wish, looks};
+use orograph_edit::{
+    Beside, Fault, Shown, Wish,
+    looks::{self, Colours},
+};
 use orograph_engine::{Registry, document::Link};
 
-use crate::inspector::named;
-
+pub use compare::Compare;
 pub use ground::Ground;
-pub use picture::{Picture, Probe};
+pub use keys::{has_keyboard, takes};
+pub use picture::Picture;
+
+use legend::Legend;
+use probe::Probe;
 
 /// How a pane shows its value.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -23,6 +38,8 @@ pub enum Mode {
     Look(String),
     /// As ground to walk around, with the look on it.
     Ground(Option<String>),
+    /// As a plot.
+    Plot,
 }
 
 /// A pane.
@@ -37,13 +54,32 @@ pub struct Pane {
     pub output: Option<Link>,
     picture: Picture,
     ground: Ground,
+    /// The picture of the terrain alone that lines in `ground` lie on.
+    bare: Picture,
+    plot: plot::Plot,
     content: Content,
 }
 
 enum Content {
     Nothing,
     Faults(Vec<Fault>),
-    Value(Value),
+    Sight(Sight),
+}
+
+/// What is seen.
+struct Sight {
+    value: Value,
+    /// What it is compared with, or the terrain that it lies on.
+    beside: Option<Value>,
+    compared: bool,
+    legend: Option<Legend>,
+    style: table::Style,
+}
+
+impl Sight {
+    fn probe(&self) -> Probe<'_> {
+        Probe { value: &self.value, beside: self.beside.as_ref(), compared: self.compared }
+    }
 }
 
 /// What the user asked of a pane.
@@ -51,6 +87,8 @@ enum Content {
 pub enum Asked {
     /// Show it in another way.
     Mode(Mode),
+    /// Show another output of the same node.
+    Output(Link),
     /// Stay with the output, or follow the selection again.
     Pin(bool),
     /// A stroke was drawn, in shares of the picture, x to the right and y down.
@@ -59,6 +97,17 @@ pub enum Asked {
     Erase([f64; 2], f64),
     /// A gesture with the brush ended.
     Lifted,
+}
+
+/// What stands to be shown in a pane.
+#[derive(Clone, Debug, Default)]
+pub struct Offer {
+    /// The type of what it shows.
+    pub value_type: Option<ValueType>,
+    /// The outputs of the node that it shows.
+    pub outputs: Vec<Link>,
+    /// Lines that are drawn over a picture while a tool edits them: vertices of x, y and height, in shares of it.
+    pub lines: Vec<Vec<[f64; 3]>>,
 }
 
 /// What the pointer does in a picture.
@@ -86,19 +135,42 @@ impl Pane {
             output: None,
             picture: Picture::default(),
             ground: Ground::default(),
+            bare: Picture::default(),
+            plot: plot::Plot::default(),
             content: Content::Nothing,
         }
     }
 
-    /// What is to be computed for it.
+    /// What is to be computed for it, where `beside` is what its picture can show besides.
     #[must_use]
-    pub fn wish(&self, registry: &Registry, value_type: Option<ValueType>) -> Option<Wish> {
+    pub fn wish(&self, registry: &Registry, value_type: Option<ValueType>, beside: Beside) -> Option<Wish> {
         let output = self.output.clone()?;
-        let look = self.look(registry, value_type?);
-        Some(Wish { name: self.name.clone(), output, look, overrides: Vec::new() })
+        let look = match &beside {
+            Beside::Against(_) => Some(looks::DIFFERENCE.to_owned()),
+            _ => self.look(registry, value_type?),
+        };
+        Some(Wish { name: self.name.clone(), output, look, beside, overrides: Vec::new() })
+    }
+
+    /// Whether it shows its value against that of the other pane.
+    #[must_use]
+    pub fn compares(&self) -> bool {
+        matches!(&self.mode, Mode::Look(id) | Mode::Ground(Some(id)) if id == looks::DIFFERENCE)
+    }
+
+    /// Whether its picture is better drawn over terrain.
+    #[must_use]
+    pub fn draws_over(&self, registry: &Registry, value_type: ValueType) -> bool {
+        let look = self.look(registry, value_type).and_then(|look| registry.get(&look));
+        value_type == ValueType::Features
+            || look.is_some_and(|look| looks::ground_port(look.spec()).is_some())
     }
 
     fn look(&self, registry: &Registry, value_type: ValueType) -> Option<String> {
+        if value_type == ValueType::Table {
+            // Tables are read and plotted here.
+            return None;
+        }
         let looks = looks::of(registry, value_type);
         match &self.mode {
             Mode::Look(id) | Mode::Ground(Some(id)) if looks.iter().any(|spec| *spec.id == **id) => {
@@ -111,19 +183,30 @@ impl Pane {
     /// Takes the answer to its wish.
     pub fn take(&mut self, ctx: &egui::Context, result: Result<Shown, Vec<Fault>>) {
         match result {
-            Ok(Shown { value, picture }) => {
-                let texture = match (&picture, &value) {
-                    (Some(Value::Texture(texture)), _) | (None, Value::Texture(texture)) => {
-                        Some(texture.clone())
+            Ok(Shown { value, picture, beside, ground, scale }) => {
+                let texture = picture.as_ref().and_then(texture_of).or_else(|| texture_of(&value));
+                self.picture.show(ctx, &self.name, texture);
+                let compared = scale.as_ref().is_some_and(|scale| scale.colours == Colours::Diverging);
+                let (terrain, features) = match (&value, &beside) {
+                    (Value::Heightfield(terrain), _) => (Some(terrain), None),
+                    (Value::Features(features), Some(Value::Heightfield(terrain))) => {
+                        (Some(terrain), Some(features))
                     }
-                    _ => None,
+                    (_, Some(Value::Heightfield(terrain))) => (Some(terrain), None),
+                    _ => (None, None),
                 };
-                self.picture.show(ctx, &self.name, texture.as_deref());
-                self.ground.show(match &value {
-                    Value::Heightfield(terrain) => Some(terrain),
-                    _ => None,
-                });
-                self.content = Content::Value(value);
+                self.ground.show(terrain.map(AsRef::as_ref), features.map(AsRef::as_ref));
+                let bare = ground.as_ref().and_then(texture_of).filter(|_| features.is_some());
+                self.bare.show(ctx, &format!("{} bare", self.name), bare);
+                if let Value::Table(table) = &value {
+                    self.plot.renew(table);
+                }
+                let legend = scale.as_ref().and_then(Legend::new);
+                let style = match &value {
+                    Value::Table(table) => table::Style::of(table),
+                    _ => table::Style::default(),
+                };
+                self.content = Content::Sight(Sight { value, beside, compared, legend, style });
             }
             Err(faults) => self.content = Content::Faults(faults),
         }
@@ -137,23 +220,19 @@ impl Pane {
     /// The value that is shown.
     #[must_use]
     pub fn value(&self) -> Option<&Value> {
+        self.sight().map(|sight| &sight.value)
+    }
+
+    fn sight(&self) -> Option<&Sight> {
         match &self.content {
-            Content::Value(value) => Some(value),
+            Content::Sight(sight) => Some(sight),
             _ => None,
         }
     }
 
-    /// Draws the pane; `lines` are drawn over a picture while a tool edits them.
-    pub fn ui(
-        &mut self,
-        ui: &mut egui::Ui,
-        registry: &Registry,
-        value_type: Option<ValueType>,
-        tool: Tool,
-        lines: &[Vec<[f64; 3]>],
-    ) -> Vec<Asked> {
+    /// Draws what it shows; `lines` are drawn over a picture while a tool edits them.
+    fn content(&mut self, ui: &mut egui::Ui, tool: Tool, lines: &[Vec<[f64; 3]>]) -> Vec<Asked> {
         let mut asked = Vec::new();
-        ui.horizontal(|ui| self.bar(ui, registry, value_type, &mut asked));
         match &self.content {
             Content::Nothing => {
                 ui.centered_and_justified(|ui| ui.weak("Choose a node to look at what it gives."));
@@ -168,15 +247,17 @@ impl Pane {
                     }
                 });
             }
-            Content::Value(value) => match (value, &self.mode) {
-                (Value::Table(values), _) => table::show(ui, &self.name, values),
-                (Value::Heightfield(_), Mode::Ground(_)) => {
-                    let texture = self.picture.texture();
-                    self.ground.ui(ui, &self.name, texture);
+            Content::Sight(sight) => match (&sight.value, &self.mode) {
+                (Value::Table(values), Mode::Plot) => self.plot.ui(ui, &self.name, values),
+                (Value::Table(values), _) => table::show(ui, &self.name, values, &sight.style),
+                (_, Mode::Ground(_)) if self.ground.has_terrain() => {
+                    let texture = self.bare.texture().or_else(|| self.picture.texture());
+                    let legend = sight.legend.as_ref().filter(|_| self.bare.texture().is_none());
+                    self.ground.ui(ui, &self.name, texture, legend);
                 }
                 _ if self.picture.texture().is_some() => {
-                    let probe = Probe { value };
-                    asked.extend(self.picture.ui(ui, &self.name, &probe, tool, lines));
+                    let legend = sight.legend.as_ref();
+                    asked.extend(self.picture.ui(ui, &self.name, &sight.probe(), legend, tool, lines));
                 }
                 (value, _) => {
                     ui.label(words(value));
@@ -185,51 +266,12 @@ impl Pane {
         }
         asked
     }
+}
 
-    fn bar(
-        &self,
-        ui: &mut egui::Ui,
-        registry: &Registry,
-        value_type: Option<ValueType>,
-        asked: &mut Vec<Asked>,
-    ) {
-        let title = self.output.as_ref().map_or_else(|| "nothing".to_owned(), ToString::to_string);
-        ui.strong(title);
-        let mut pinned = self.pinned.is_some();
-        if ui.checkbox(&mut pinned, "pin").on_hover_text("Stay with this output").changed() {
-            asked.push(Asked::Pin(pinned));
-        }
-        let Some(value_type) = value_type else { return };
-        let looks = looks::of(registry, value_type);
-        if looks.is_empty() {
-            return;
-        }
-        let now = self.look(registry, value_type).unwrap_or_default();
-        let short = |id: &str| id.rsplit('.').next().unwrap_or(id).replace('_', " ");
-        let salt = (&self.name, "look");
-        let shown = egui::ComboBox::from_id_salt(salt).selected_text(short(&now)).show_ui(ui, |ui| {
-            for spec in &looks {
-                let response =
-                    ui.selectable_label(*spec.id == *now, short(&spec.id)).on_hover_text(spec.summary());
-                if response.clicked() {
-                    let id = spec.id.to_string();
-                    asked.push(Asked::Mode(match &self.mode {
-                        Mode::Ground(_) => Mode::Ground(Some(id)),
-                        _ => Mode::Look(id),
-                    }));
-                }
-            }
-        });
-        named(shown.response, &format!("look of {}", self.name));
-        if value_type == ValueType::Heightfield {
-            let solid = matches!(self.mode, Mode::Ground(_));
-            if ui.selectable_label(!solid, "2D").clicked() {
-                asked.push(Asked::Mode(Mode::Look(now.clone())));
-            }
-            if ui.selectable_label(solid, "3D").clicked() {
-                asked.push(Asked::Mode(Mode::Ground(Some(now))));
-            }
-        }
+fn texture_of(value: &Value) -> Option<&Texture> {
+    match value {
+        Value::Texture(texture) => Some(texture),
+        _ => None,
     }
 }
 

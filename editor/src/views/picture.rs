@@ -1,61 +1,22 @@
 //! A picture that can be moved, enlarged, measured and drawn upon.
 
 use eframe::egui::{self, Color32, Pos2, Rect, Stroke, Vec2, pos2, vec2};
-use orograph_core::{Grid, Texture, Value};
+use orograph_core::Texture;
 
-use super::{Asked, Tool, image_of};
+use super::{
+    Asked, Tool, image_of,
+    legend::Legend,
+    probe::Probe,
+    view::{self, View},
+};
 
 /// A picture and where one looks at it.
 #[derive(Default)]
 pub struct Picture {
     texture: Option<egui::TextureHandle>,
-    size: Vec2,
-    /// Pixels of the window for one of the picture; none to fit it in.
-    zoom: Option<f32>,
-    offset: Vec2,
+    pub(super) size: Vec2,
+    pub(super) view: View,
     stroke: Vec<[f64; 2]>,
-}
-
-/// What a picture is of, for what is told under the pointer.
-pub struct Probe<'a> {
-    /// The value.
-    pub value: &'a Value,
-}
-
-impl Probe<'_> {
-    fn grid(&self) -> Option<&Grid> {
-        match self.value {
-            Value::Heightfield(raster) => Some(raster.grid()),
-            Value::Mask(raster) => Some(raster.grid()),
-            Value::Texture(raster) => Some(raster.grid()),
-            _ => None,
-        }
-    }
-
-    /// What stands at a share of the picture, in words.
-    fn tell(&self, share: [f64; 2]) -> Option<String> {
-        let grid = self.grid()?;
-        let (rows, cols) = grid.size();
-        let row = (share[1] * rows as f64) as usize;
-        let col = (share[0] * cols as f64) as usize;
-        if row >= rows || col >= cols {
-            return None;
-        }
-        let position = grid.position(row, col);
-        let what = match self.value {
-            Value::Heightfield(terrain) => {
-                let height = terrain.at(row, col);
-                if height.is_nan() { "void".to_owned() } else { format!("{height:.2} m") }
-            }
-            Value::Mask(mask) => format!("{:.3}", mask.at(row, col)),
-            Value::Texture(texture) => {
-                let [r, g, b, _] = texture.at(row, col);
-                format!("#{r:02x}{g:02x}{b:02x}")
-            }
-            _ => String::new(),
-        };
-        Some(format!("row {row}, col {col}   x {:.1} m, y {:.1} m   {what}", position.x, position.y))
-    }
 }
 
 impl Picture {
@@ -81,6 +42,7 @@ impl Picture {
         ui: &mut egui::Ui,
         name: &str,
         probe: &Probe<'_>,
+        legend: Option<&Legend>,
         tool: Tool,
         lines: &[Vec<[f64; 3]>],
     ) -> Vec<Asked> {
@@ -102,45 +64,47 @@ impl Picture {
         if let Some(grid) = probe.grid() {
             scale_bar(&painter, rect, place.width() / self.size.x.max(1.0), grid.cell.x);
         }
+        if let Some(legend) = legend {
+            legend.ui(ui, rect, egui::Align::Max, response.id.with("legend"));
+        }
         if let Some(pos) = response.hover_pos()
-            && let Some(text) = probe.tell(share(place, pos))
+            && let Some(text) = probe.tell(share(place, pos), self.reach(place))
         {
-            let font = egui::FontId::monospace(12.0);
-            let at = rect.left_bottom() + vec2(6.0, -6.0);
-            let galley = painter.layout_no_wrap(text, font, Color32::WHITE);
-            let ground =
-                Rect::from_min_size(at - vec2(3.0, galley.size().y + 3.0), galley.size() + vec2(6.0, 6.0));
-            painter.rect_filled(ground, 2.0, Color32::from_black_alpha(170));
-            painter.galley(ground.min + vec2(3.0, 3.0), galley, Color32::WHITE);
+            ui.ctx().accesskit_node_builder(response.id, |node| node.set_value(text.clone()));
+            tell(ui, rect, response.id.with("probe"), text);
         }
         asked
     }
 
-    fn place(&self, rect: Rect) -> Rect {
-        let fit = (rect.width() / self.size.x.max(1.0)).min(rect.height() / self.size.y.max(1.0));
-        let size = self.size * self.zoom.unwrap_or(fit);
-        Rect::from_center_size(rect.center() + self.offset, size)
+    /// Cells within which a line is under the pointer.
+    pub(super) fn reach(&self, place: Rect) -> f64 {
+        const PIXELS: f32 = 5.0;
+        f64::from(PIXELS * self.size.x / place.width().max(1.0)).max(1.0)
     }
 
-    fn navigate(&mut self, ui: &egui::Ui, response: &egui::Response, rect: Rect, tool: Tool) {
+    pub(super) fn place(&self, rect: Rect) -> Rect {
+        self.view.place(rect, self.size)
+    }
+
+    /// Moves and enlarges as the pointer and, with the keyboard here, the keys say.
+    pub(super) fn navigate(&mut self, ui: &egui::Ui, response: &egui::Response, rect: Rect, tool: Tool) {
         let pan = response.dragged_by(egui::PointerButton::Middle)
             || (tool == Tool::Look && response.dragged_by(egui::PointerButton::Primary));
         if pan {
-            self.offset += response.drag_delta();
+            self.view.pan(response.drag_delta(), rect, self.size);
         }
         if response.double_clicked() && tool == Tool::Look {
-            (self.zoom, self.offset) = (None, Vec2::ZERO);
+            self.view = View::default();
+        }
+        let keys = super::keys::held(ui, response);
+        self.view.pan(-keys.arrows * 24.0, rect, self.size);
+        if keys.nearer != 0.0 {
+            self.view.enlarge(1.0 + 0.2 * keys.nearer, rect.center(), rect, self.size);
         }
         let Some(pos) = response.hover_pos() else { return };
         let factor = ui.input(|input| input.smooth_scroll_delta().y * 0.004 + (input.zoom_delta() - 1.0));
         if factor != 0.0 {
-            let before = self.place(rect);
-            let zoom = before.width() / self.size.x.max(1.0);
-            let next = (zoom * (1.0 + factor)).clamp(0.02, 64.0);
-            // What is under the pointer stays there.
-            let from = pos - before.center();
-            self.offset += from - from * (next / zoom);
-            self.zoom = Some(next);
+            self.view.enlarge(1.0 + factor, pos, rect, self.size);
         }
     }
 
@@ -203,9 +167,21 @@ impl Picture {
 }
 
 /// A place in the window as a share of the picture.
-fn share(place: Rect, pos: Pos2) -> [f64; 2] {
-    let share = (pos - place.min) / place.size();
+pub(super) fn share(place: Rect, pos: Pos2) -> [f64; 2] {
+    let share = view::share(place, pos);
     [f64::from(share.x), f64::from(share.y)]
+}
+
+/// Words at the foot of a view, on whatever picture.
+pub(super) fn tell(ui: &egui::Ui, rect: Rect, id: egui::Id, text: String) {
+    let painter = ui.painter_at(rect);
+    let galley = painter.layout_no_wrap(text.clone(), egui::FontId::monospace(12.0), Color32::WHITE);
+    let at = rect.left_bottom() + vec2(6.0, -6.0);
+    let ground = Rect::from_min_size(at - vec2(3.0, galley.size().y + 3.0), galley.size() + vec2(6.0, 6.0));
+    painter.rect_filled(ground, 2.0, Color32::from_black_alpha(170));
+    painter.galley(ground.min + vec2(3.0, 3.0), galley, Color32::WHITE);
+    let response = ui.interact(ground, id, egui::Sense::hover());
+    response.widget_info(|| egui::WidgetInfo::labeled(egui::WidgetType::Label, true, text.clone()));
 }
 
 /// The stroke without vertices that lie within `tolerance` of the line without them (Douglas and Peucker 1973).
@@ -255,7 +231,7 @@ fn overlay(painter: &egui::Painter, place: Rect, lines: &[Vec<[f64; 3]>], stroke
 }
 
 /// A length of 1, 2 or 5 times a power of ten metres, about a fifth of the view wide.
-fn scale_bar(painter: &egui::Painter, rect: Rect, pixels_per_cell: f32, metres_per_cell: f64) {
+pub(super) fn scale_bar(painter: &egui::Painter, rect: Rect, pixels_per_cell: f32, metres_per_cell: f64) {
     let pixels_per_metre = f64::from(pixels_per_cell) / metres_per_cell;
     let wanted = f64::from(rect.width()) / 5.0 / pixels_per_metre;
     if !wanted.is_finite() || wanted <= 0.0 {
