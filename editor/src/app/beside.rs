@@ -11,14 +11,14 @@ use crate::views::Offer;
 impl App {
     /// What stands to be shown in a pane.
     pub(super) fn offer(&mut self, index: usize, drawable: Option<&Drawable>) -> Offer {
-        let lines = self.lines_for(index, drawable);
+        let strokes = self.strokes_for(index, drawable);
         let Some(output) = self.panes[index].output.clone() else { return Offer::default() };
         let document = self.editing.document().clone();
         let Some(node) = document.nodes.get(&output.node) else { return Offer::default() };
         let interface = self.interfaces.of(&output.node, node, &document);
         let value_type = interface.output(&output.port).and_then(|port| port.value_type);
         let outputs = interface.outputs.iter().map(|port| Link::new(&output.node, &port.name)).collect();
-        Offer { value_type, outputs, lines }
+        Offer { value_type, outputs, strokes }
     }
 
     /// What goes with the wish of a pane.

@@ -42,6 +42,8 @@ pub(super) enum For {
     Subgraph,
     Collapse(Vec<String>),
     Param(Link),
+    /// A picture under the painting of this input's node.
+    Under(Link),
     CacheFolder,
     PluginFolder,
 }
@@ -99,6 +101,10 @@ impl App {
             For::PluginFolder => self.settings_folder(SettingsChange::AddPlugins, path),
             For::Subgraph => self.add_graph(&path),
             For::Collapse(names) => self.collapse(&names, &path),
+            For::Under(input) => {
+                let file = self.relative(&path);
+                self.put_under(&input, file);
+            }
             For::Param(link) => {
                 let text = match question {
                     Question::Output => self.in_output_folder(&path),

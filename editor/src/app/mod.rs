@@ -41,7 +41,7 @@ pub use settings::PluginLoader;
 
 use crate::{
     canvas::{Canvas, NodeView, Wire},
-    inspector::{Inspector, named},
+    inspector::Inspector,
     views::{Compare, Pane, Tool},
 };
 use progress::Progress;
@@ -109,6 +109,8 @@ pub struct App {
     compare: Compare,
     tool: Tool,
     height: f64,
+    /// The parameter that is painted, where a node has several.
+    layer: String,
     context: Context,
     thumbnails: bool,
     /// What the canvas draws, made anew when something in it changed.
@@ -174,6 +176,7 @@ impl App {
             compare: Compare::default(),
             tool: Tool::Look,
             height: 1.0,
+            layer: String::new(),
             context: Context { seed: 0, resolution: Some(512) },
             thumbnails: true,
             drawn: Vec::new(),
@@ -284,19 +287,7 @@ impl App {
 
     fn views(&mut self, ui: &mut egui::Ui) {
         let drawable = self.drawable();
-        ui.horizontal(|ui| {
-            if drawable.is_none() {
-                self.tool = Tool::Look;
-                return;
-            }
-            for (tool, label) in
-                [(Tool::Look, "look"), (Tool::Draw, "draw"), (Tool::Point, "point"), (Tool::Erase, "erase")]
-            {
-                ui.selectable_value(&mut self.tool, tool, label);
-            }
-            ui.label("height of what is drawn");
-            named(ui.add(egui::DragValue::new(&mut self.height)), "height of what is drawn");
-        });
+        ui.horizontal(|ui| self.palette(ui, drawable.as_ref()));
         let offers: Vec<_> =
             (0..self.panes.len()).map(|index| self.offer(index, drawable.as_ref())).collect();
         let asked = self.compare.ui(ui, &mut self.panes, &self.registry, &offers, self.tool);

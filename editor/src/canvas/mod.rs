@@ -187,6 +187,13 @@ impl Canvas {
         arrangement(ctx, nodes, wires)
     }
 
+    /// Where a node stands.
+    #[must_use]
+    pub fn place_of(&self, name: &str) -> Option<(f64, f64)> {
+        let place = self.view.layout.get(&node_id(name))?;
+        Some((f64::from(place.x), f64::from(place.y)))
+    }
+
     /// A place halfway along a wire that runs straight.
     #[must_use]
     pub fn halfway(&self, (from, to): &Wire) -> Option<(f64, f64)> {

@@ -62,7 +62,7 @@ impl Compare {
                     let mut answers = Vec::new();
                     pane.bar(ui, registry, offer, other.as_ref(), &mut answers);
                     if !wipes {
-                        answers.extend(pane.content(ui, tool, &offer.lines));
+                        answers.extend(pane.content(ui, tool, &offer.strokes));
                     }
                     asked.extend(answers.into_iter().map(|asked| (index, asked)));
                 });

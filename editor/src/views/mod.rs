@@ -106,8 +106,17 @@ pub struct Offer {
     pub value_type: Option<ValueType>,
     /// The outputs of the node that it shows.
     pub outputs: Vec<Link>,
-    /// Lines that are drawn over a picture while a tool edits them: vertices of x, y and height, in shares of it.
+    /// Lines that are drawn over a picture while a tool edits them.
+    pub strokes: Strokes,
+}
+
+/// Painted lines: vertices of x, y and height, x and y in shares of a picture.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Strokes {
+    /// Those that the brush adds to and the eraser takes from.
     pub lines: Vec<Vec<[f64; 3]>>,
+    /// Those of other layers.
+    pub others: Vec<Vec<[f64; 3]>>,
 }
 
 /// What the pointer does in a picture.
@@ -230,8 +239,8 @@ impl Pane {
         }
     }
 
-    /// Draws what it shows; `lines` are drawn over a picture while a tool edits them.
-    fn content(&mut self, ui: &mut egui::Ui, tool: Tool, lines: &[Vec<[f64; 3]>]) -> Vec<Asked> {
+    /// Draws what it shows; `strokes` are drawn over a picture while a tool edits them.
+    fn content(&mut self, ui: &mut egui::Ui, tool: Tool, strokes: &Strokes) -> Vec<Asked> {
         let mut asked = Vec::new();
         match &self.content {
             Content::Nothing => {
@@ -257,7 +266,7 @@ impl Pane {
                 }
                 _ if self.picture.texture().is_some() => {
                     let legend = sight.legend.as_ref();
-                    asked.extend(self.picture.ui(ui, &self.name, &sight.probe(), legend, tool, lines));
+                    asked.extend(self.picture.ui(ui, &self.name, &sight.probe(), legend, tool, strokes));
                 }
                 (value, _) => {
                     ui.label(words(value));

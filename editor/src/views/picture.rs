@@ -4,7 +4,7 @@ use eframe::egui::{self, Color32, Pos2, Rect, Stroke, Vec2, pos2, vec2};
 use orograph_core::Texture;
 
 use super::{
-    Asked, Tool, image_of,
+    Asked, Strokes, Tool, image_of,
     legend::Legend,
     probe::Probe,
     view::{self, View},
@@ -44,7 +44,7 @@ impl Picture {
         probe: &Probe<'_>,
         legend: Option<&Legend>,
         tool: Tool,
-        lines: &[Vec<[f64; 3]>],
+        strokes: &Strokes,
     ) -> Vec<Asked> {
         let Some(texture) = self.texture() else { return Vec::new() };
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), egui::Sense::click_and_drag());
@@ -59,7 +59,10 @@ impl Picture {
         let mut asked = Vec::new();
         if tool != Tool::Look {
             self.draw(&response, place, tool, &mut asked);
-            overlay(&painter, place, lines, &self.stroke);
+            overlay(&painter, place, &strokes.others, FAINT);
+            overlay(&painter, place, &strokes.lines, PAINT);
+            let stroke = self.stroke.iter().map(|[x, y]| [*x, *y, 0.0]).collect();
+            overlay(&painter, place, &[stroke], Color32::WHITE);
         }
         if let Some(grid) = probe.grid() {
             scale_bar(&painter, rect, place.width() / self.size.x.max(1.0), grid.cell.x);
@@ -212,9 +215,12 @@ fn simplified(stroke: &[[f64; 2]], tolerance: f64) -> Vec<[f64; 2]> {
     }
 }
 
-fn overlay(painter: &egui::Painter, place: Rect, lines: &[Vec<[f64; 3]>], stroke: &[[f64; 2]]) {
+/// What is under the brush, and what is not.
+const PAINT: Color32 = Color32::from_rgb(0xff, 0xd0, 0x40);
+const FAINT: Color32 = Color32::from_rgb(0x70, 0xb8, 0xc8);
+
+fn overlay(painter: &egui::Painter, place: Rect, lines: &[Vec<[f64; 3]>], colour: Color32) {
     let at = |x: f64, y: f64| place.min + vec2(x as f32 * place.width(), y as f32 * place.height());
-    let colour = Color32::from_rgb(0xff, 0xd0, 0x40);
     for line in lines {
         match line.as_slice() {
             [point] => {
@@ -226,8 +232,6 @@ fn overlay(painter: &egui::Painter, place: Rect, lines: &[Vec<[f64; 3]>], stroke
             }
         }
     }
-    let points = stroke.iter().map(|point| at(point[0], point[1])).collect();
-    painter.line(points, Stroke::new(2.0, Color32::WHITE));
 }
 
 /// A length of 1, 2 or 5 times a power of ten metres, about a fifth of the view wide.
