@@ -1,6 +1,10 @@
 //! What a node looks like: title, ports, picture, state.
 
-use eframe::egui::{self, Color32, RichText, vec2};
+use eframe::egui::{
+    self, Color32, RichText,
+    text::{LayoutJob, TextFormat, TextWrapping},
+    vec2,
+};
 use egui_graph::{FramedResponse, NodeCtx};
 use orograph_edit::Badge;
 
@@ -34,7 +38,10 @@ pub(super) enum Body {
     Afar,
 }
 
-/// A node too small to be read: its block and its ports, without words.
+/// Size of the name of a node that is seen from afar.
+const NAME: f32 = 30.0;
+
+/// A node too small to be read: its block, its ports, and its name in large letters.
 pub(super) fn from_afar(ctx: NodeCtx<'_>, node: &NodeView, height: f32) -> FramedResponse<Body> {
     ctx.framed(|ui, sockets| {
         ui.spacing_mut().item_spacing.y = GAP;
@@ -55,6 +62,13 @@ pub(super) fn from_afar(ctx: NodeCtx<'_>, node: &NodeView, height: f32) -> Frame
                 ui.painter().rect_filled(rect, 2.0, theme::FAULT);
             }
         }
+        // As large as can still be read, over whatever stands below.
+        let colour = ui.visuals().strong_text_color();
+        let text = TextFormat::simple(egui::FontId::proportional(NAME), colour);
+        let mut job = LayoutJob::single_section(node.name.clone(), text);
+        job.wrap = TextWrapping::truncate_at_width(width);
+        let name = ui.fonts_mut(|fonts| fonts.layout_job(job));
+        ui.painter().galley(title.left_top() + vec2(4.0, 0.0), name, colour);
         Body::Afar
     })
 }

@@ -407,7 +407,7 @@ impl Canvas {
 }
 
 /// Below this scale nobody reads what stands in a node.
-const FAR: f32 = 0.4;
+const FAR: f32 = 0.35;
 
 /// The size of a node that was not drawn yet.
 const DEFAULT_SIZE: Vec2 = Vec2::new(body::WIDTH, 110.0);

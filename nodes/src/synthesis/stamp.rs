@@ -62,32 +62,10 @@ impl Node for Stamp {
         if let Some(alpha) = alpha {
             stamp.grid().match_size("stamp", alpha.grid(), "alpha")?;
         }
-        let (rows, cols) = terrain.grid().size();
-        let (sin, cos) = {
-            let angle = self.turn.to_radians();
-            (libm::sin(angle), libm::cos(angle))
-        };
-        let center = [self.down * rows as f64 - 0.5, self.across * cols as f64 - 0.5];
-        let middle = [stamp.rows() as f64 / 2.0 - 0.5, stamp.cols() as f64 / 2.0 - 0.5];
-        let source = |row: usize, col: usize| {
-            let (down, across) =
-                ((row as f64 - center[0]) / self.scale, (col as f64 - center[1]) / self.scale);
-            // Rows grow downwards, so clockwise is from columns to rows.
-            [middle[0] + cos * down - sin * across, middle[1] + sin * down + cos * across]
-        };
-        let shown = |row: usize, col: usize| {
-            let [row, col] = source(row, col);
-            let height = sample(stamp, row, col, Interpolation::Cubic);
-            let share = match alpha {
-                _ if height.is_nan() => 0.0,
-                None => 1.0,
-                Some(alpha) => super::replay::nearest(alpha, [row, col]).unwrap_or(0.0),
-            };
-            (height + self.raise as f32, if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) })
-        };
+        let laid = Laid::new(self, terrain.grid(), stamp, alpha);
         let out = Heightfield::build(terrain.grid().clone(), job, |row, out| {
             for (col, out) in out.iter_mut().enumerate() {
-                let (height, share) = shown(row, col);
+                let (height, share) = laid.at(row, col);
                 let below = terrain.at(row, col);
                 *out = if self.alone {
                     if share >= 0.5 { height } else { f32::NAN }
@@ -102,10 +80,62 @@ impl Node for Stamp {
             Ok(())
         })?;
         let mask = Mask::build(terrain.grid().clone(), job, |row, out| {
-            out.iter_mut().enumerate().for_each(|(col, out)| *out = shown(row, col).1);
+            out.iter_mut().enumerate().for_each(|(col, out)| *out = laid.at(row, col).1);
             Ok(())
         })?;
         Ok(StampOut { terrain: out, mask })
+    }
+}
+
+/// A stamp laid over a grid.
+pub(crate) struct Laid<'a> {
+    stamp: &'a Heightfield,
+    alpha: Option<&'a Mask>,
+    /// The cell of the grid that the stamp's middle lies on, and that middle.
+    center: [f64; 2],
+    middle: [f64; 2],
+    /// Sine and cosine of the turn.
+    turn: (f64, f64),
+    scale: f64,
+    raise: f32,
+}
+
+impl<'a> Laid<'a> {
+    /// As the settings say.
+    pub(crate) fn new(
+        settings: &Stamp,
+        grid: &Grid,
+        stamp: &'a Heightfield,
+        alpha: Option<&'a Mask>,
+    ) -> Self {
+        let (rows, cols) = grid.size();
+        let angle = settings.turn.to_radians();
+        Self {
+            stamp,
+            alpha,
+            center: [settings.down * rows as f64 - 0.5, settings.across * cols as f64 - 0.5],
+            middle: [stamp.rows() as f64 / 2.0 - 0.5, stamp.cols() as f64 / 2.0 - 0.5],
+            turn: (libm::sin(angle), libm::cos(angle)),
+            scale: settings.scale,
+            raise: settings.raise as f32,
+        }
+    }
+
+    /// The stamp's height over a cell of the grid, and how much of it shows there; NaN and 0 where there is none.
+    pub(crate) fn at(&self, row: usize, col: usize) -> (f32, f32) {
+        let (sin, cos) = self.turn;
+        let (down, across) =
+            ((row as f64 - self.center[0]) / self.scale, (col as f64 - self.center[1]) / self.scale);
+        // Rows grow downwards, so clockwise is from columns to rows.
+        let row = self.middle[0] + cos * down - sin * across;
+        let col = self.middle[1] + sin * down + cos * across;
+        let height = sample(self.stamp, row, col, Interpolation::Cubic);
+        let share = match self.alpha {
+            _ if height.is_nan() => 0.0,
+            None => 1.0,
+            Some(alpha) => super::replay::nearest(alpha, [row, col]).unwrap_or(0.0),
+        };
+        (height + self.raise, if share.is_nan() { 0.0 } else { share.clamp(0.0, 1.0) })
     }
 }
 

@@ -20,7 +20,7 @@ use crate::{
         extent::extent,
         sketch::{Coordinates, draw},
     },
-    synthesis::stamp::{Stamp, StampIn},
+    synthesis::stamp::{Laid, Stamp},
 };
 
 const RIDGE: Colour = [0xc8, 0x32, 0x1e, 0xff];
@@ -142,27 +142,28 @@ impl Paint {
     }
 
     fn stamped(&self, stamp: Option<&Heightfield>, grid: &Grid, job: &Job) -> Result<Heightfield> {
-        let mut given = Heightfield::filled(grid.clone(), f32::NAN, job)?;
         let places = self.placed(&self.stamps, grid);
         let Some(stamp) = stamp else {
             if !places.is_empty() {
                 job.warn("stamps are painted, but no terrain is wired to `stamp`");
             }
-            return Ok(given);
+            return Heightfield::filled(grid.clone(), f32::NAN, job);
         };
         let (rows, cols) = grid.size();
-        for &[row, col, turn] in places.iter().flatten() {
-            job.check()?;
-            let stamping = Stamp {
-                across: (col + 0.5) / cols as f64,
-                down: (row + 0.5) / rows as f64,
-                turn,
-                scale: self.stamp_scale,
-                ..Stamp::default()
-            };
-            given = stamping.run(StampIn { terrain: &given, stamp, alpha: None }, job)?.terrain;
-        }
-        Ok(given)
+        let lay = |&[row, col, turn]: &[f64; 3]| {
+            let (across, down) = ((col + 0.5) / cols as f64, (row + 0.5) / rows as f64);
+            let settings = Stamp { across, down, turn, scale: self.stamp_scale, ..Stamp::default() };
+            Laid::new(&settings, grid, stamp, None)
+        };
+        // The last one lies on top.
+        let laid: Vec<_> = places.iter().flatten().rev().map(lay).collect();
+        Heightfield::build(grid.clone(), job, |row, out| {
+            for (col, out) in out.iter_mut().enumerate() {
+                let shown = laid.iter().map(|stamp| stamp.at(row, col)).find(|(_, share)| *share > 0.0);
+                *out = shown.map_or(f32::NAN, |(height, _)| height);
+            }
+            job.check()
+        })
     }
 
     fn painted(
