@@ -3,7 +3,7 @@
 use eframe::egui;
 use orograph_edit::{Badge, News};
 
-use super::{App, nodes::picture_name};
+use super::{App, nodes::node_of};
 use crate::views::thumbnail;
 
 impl App {
@@ -45,11 +45,11 @@ impl App {
             variations.take(ctx, name, result);
             return;
         }
-        let node = self.editing.document().nodes.keys().find(|node| picture_name(node) == name).cloned();
+        let node = node_of(name).filter(|node| self.editing.document().nodes.contains_key(*node));
         if let (Some(node), Ok(shown)) = (node, result)
             && let Some(picture) = thumbnail(ctx, name, &shown)
         {
-            self.pictures.insert(node, picture);
+            self.pictures.insert(node.to_owned(), picture);
         }
     }
 }

@@ -7,9 +7,16 @@ use orograph_engine::document::{Body, GRAPH, Link};
 use super::App;
 use crate::canvas::{NodeView, PortView};
 
+const PICTURE: &str = "node ";
+
 /// The name of the wish for a node's small picture.
 pub(super) fn picture_name(node: &str) -> String {
-    format!("node {node}")
+    format!("{PICTURE}{node}")
+}
+
+/// The node whose small picture a wish of that name is for.
+pub(super) fn node_of(wish: &str) -> Option<&str> {
+    wish.strip_prefix(PICTURE)
 }
 
 impl App {
