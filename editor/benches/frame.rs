@@ -33,7 +33,26 @@ fn main() {
     window.told("the whole graph, one node is dragged", FRAMES, |window, n| {
         window.drag(still, n, FRAMES);
     });
+    // Larger and larger, until names can be read.
+    for _ in 0..60 {
+        window.events.push(Event::PointerMoved(pos2(500.0, 650.0)));
+        window.events.push(Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: vec2(0.0, 1.0),
+            phase: egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+        });
+        window.frame();
+    }
+    let scale = window.app.to_window().scaling;
+    window.told(
+        &format!("a part of the graph at {scale:.2} of its size, nothing happens"),
+        FRAMES,
+        |_, _| {},
+    );
+    window.command(Command::Fit);
     window.command(Command::SelectAll);
+    window.command(Command::Fit);
     window.told("the whole graph, all selected", FRAMES, |_, _| {});
     window.command(Command::Thumbnails);
     window.told(

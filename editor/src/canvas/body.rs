@@ -1,14 +1,14 @@
 //! What a node looks like: title, ports, picture, state.
 
 use eframe::egui::{
-    self, Color32, RichText,
+    self, Color32, Rect, RichText, pos2,
     text::{LayoutJob, TextFormat, TextWrapping},
     vec2,
 };
 use egui_graph::{FramedResponse, NodeCtx};
 use orograph_edit::Badge;
 
-use super::{NodeView, PortView};
+use super::NodeView;
 use crate::theme;
 
 /// Width of a node.
@@ -42,31 +42,41 @@ pub(super) enum Body {
 const NAME: f32 = 30.0;
 
 /// A node too small to be read: its block, its ports, and its name in large letters.
+///
+/// Placed by hand: a graph of hundreds of nodes is seen like this, and every widget in them would cost.
 pub(super) fn from_afar(ctx: NodeCtx<'_>, node: &NodeView, height: f32) -> FramedResponse<Body> {
-    ctx.framed(|ui, sockets| {
-        ui.spacing_mut().item_spacing.y = GAP;
-        let width = WIDTH - 20.0;
-        let (title, _) = ui.allocate_exact_size(vec2(width, TITLE), egui::Sense::hover());
+    let frame = egui_graph::node::default_frame(ctx.style(), ctx.interaction());
+    ctx.framed_with(frame.shadow(egui::Shadow::NONE), |ui, sockets| {
+        let (_, rect) = ui.allocate_space(vec2(WIDTH - 20.0, height));
+        let below =
+            |top: f32, height: f32| Rect::from_min_size(pos2(rect.left(), top), vec2(rect.width(), height));
+        let title = below(rect.top(), TITLE);
         ui.painter().rect_filled(title, 3.0, fill(ui, node));
+        let mut top = title.bottom() + GAP;
         for row in 0..node.inputs.len().max(node.outputs.len()) {
-            let at = |ports: &[PortView]| (row < ports.len()).then_some(row);
-            sockets.row(ui, at(&node.inputs), at(&node.outputs), |ui| {
-                ui.allocate_exact_size(vec2(width, ROW), egui::Sense::hover());
-            });
-        }
-        thumbnail(ui, node);
-        let rest = height - ui.min_rect().height() - GAP;
-        if rest > 0.0 {
-            let (rect, _) = ui.allocate_exact_size(vec2(width, rest), egui::Sense::hover());
-            if node.fault.is_some() || matches!(node.badge, Some(Badge::Failed(_))) {
-                ui.painter().rect_filled(rect, 2.0, theme::FAULT);
+            if row < node.inputs.len() {
+                sockets.input(row, below(top, ROW));
             }
+            if row < node.outputs.len() {
+                sockets.output(row, below(top, ROW));
+            }
+            top += ROW + GAP;
+        }
+        if let Some(picture) = node.thumbnail {
+            let middle = pos2(rect.center().x, top + THUMBNAIL / 2.0);
+            let place = Rect::from_center_size(middle, vec2(THUMBNAIL, THUMBNAIL));
+            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
+            ui.painter().image(picture, place, whole, Color32::WHITE);
+            top += THUMBNAIL + GAP;
+        }
+        if node.fault.is_some() || matches!(node.badge, Some(Badge::Failed(_))) {
+            ui.painter().rect_filled(rect.with_min_y(top.min(rect.bottom())), 2.0, theme::FAULT);
         }
         // As large as can still be read, over whatever stands below.
         let colour = ui.visuals().strong_text_color();
         let text = TextFormat::simple(egui::FontId::proportional(NAME), colour);
         let mut job = LayoutJob::single_section(node.name.clone(), text);
-        job.wrap = TextWrapping::truncate_at_width(width);
+        job.wrap = TextWrapping::truncate_at_width(rect.width());
         let name = ui.fonts_mut(|fonts| fonts.layout_job(job));
         ui.painter().galley(title.left_top() + vec2(4.0, 0.0), name, colour);
         Body::Afar

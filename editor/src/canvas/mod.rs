@@ -234,6 +234,8 @@ impl Canvas {
             nodes.iter().enumerate().map(|(index, node)| (node_id(&node.name), index)).collect();
         let mut graph =
             egui_graph::Graph::from_id(id()).zoom_range(wheel::SCALES).snap(Some(egui_graph::Snap::Round));
+        // From afar its dots would be many, and less than a pixel.
+        graph = graph.dot_grid(self.to_window.scaling >= FAR);
         if let Some(selection) = self.select.take() {
             graph = graph.selected_nodes(selection);
         }
