@@ -30,7 +30,7 @@ const MOST: usize = 4;
 #[must_use]
 pub fn ground(document: &Document, interfaces: &mut Interfaces, output: &Link) -> Vec<Link> {
     let terrain = Some(ValueType::Heightfield);
-    let own = type_of(document, interfaces, output);
+    let own = interfaces.type_of(output, document);
     if own == terrain {
         return vec![output.clone()];
     }
@@ -50,7 +50,7 @@ pub fn ground(document: &Document, interfaces: &mut Interfaces, output: &Link) -
             }
             let Some(node) = document.nodes.get(&name) else { continue };
             for link in node.inputs.values().flatten().filter(|link| link.node != GRAPH) {
-                if type_of(document, interfaces, link) == terrain {
+                if interfaces.type_of(link, document) == terrain {
                     found.push(link.clone());
                 }
                 above.push(link.node.clone());
@@ -63,11 +63,6 @@ pub fn ground(document: &Document, interfaces: &mut Interfaces, output: &Link) -
     let mut once = HashSet::new();
     found.retain(|link| once.insert(link.to_string()));
     found
-}
-
-fn type_of(document: &Document, interfaces: &mut Interfaces, link: &Link) -> Option<ValueType> {
-    let node = document.nodes.get(&link.node)?;
-    interfaces.of(&link.node, node, document).output(&link.port)?.value_type
 }
 
 /// The terrains that a node gives.

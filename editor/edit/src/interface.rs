@@ -177,6 +177,15 @@ impl Interfaces {
         }
     }
 
+    /// The type of what a link gives, where that is known here.
+    pub fn type_of(&mut self, link: &Link, document: &Document) -> Option<ValueType> {
+        if link.node == GRAPH {
+            return document.inputs.get(&link.port).map(|input| input.value_type);
+        }
+        let node = document.nodes.get(&link.node)?;
+        self.of(&link.node, node, document).output(&link.port)?.value_type
+    }
+
     fn graph(&mut self, file: &Path) -> Result<Arc<Document>, String> {
         let read = || {
             let name = file.display().to_string();

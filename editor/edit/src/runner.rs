@@ -67,6 +67,17 @@ pub struct Fault {
     pub help: Option<String>,
 }
 
+impl Fault {
+    /// What is wrong, and the mend where there is one.
+    #[must_use]
+    pub fn words(&self) -> String {
+        match &self.help {
+            Some(help) => format!("{}: {help}", self.message),
+            None => self.message.clone(),
+        }
+    }
+}
+
 /// What a wish came to.
 #[derive(Clone, Debug)]
 pub struct Shown {

@@ -103,13 +103,7 @@ fn comes_back(document: &Document, names: &[&str]) -> Result<(), Refused> {
 }
 
 fn type_of(document: &Document, interfaces: &mut Interfaces, link: &Link) -> Result<ValueType, Refused> {
-    let known = if link.node == GRAPH {
-        document.inputs.get(&link.port).map(|input| input.value_type)
-    } else {
-        let node = document.nodes.get(&link.node);
-        node.and_then(|node| interfaces.of(&link.node, node, document).output(&link.port)?.value_type)
-    };
-    known.ok_or_else(|| {
+    interfaces.type_of(link, document).ok_or_else(|| {
         Refused::new(format!("what `{link}` gives is not known here"), "choose nodes that do not need it")
     })
 }

@@ -25,11 +25,9 @@ impl App {
                 self.tell(format!("Built into {folder}: {}", files.join(", ")));
             }
             Err(faults) => {
-                let words = faults.iter().map(|fault| match (&fault.node, &fault.help) {
-                    (Some(node), Some(help)) => format!("{node}: {}: {help}", fault.message),
-                    (Some(node), None) => format!("{node}: {}", fault.message),
-                    (None, Some(help)) => format!("{}: {help}", fault.message),
-                    (None, None) => fault.message.clone(),
+                let words = faults.iter().map(|fault| match &fault.node {
+                    Some(node) => format!("{node}: {}", fault.words()),
+                    None => fault.words(),
                 });
                 let words = words.collect::<Vec<_>>().join("; ");
                 self.complain(format!("Not built: {words}"));

@@ -92,9 +92,7 @@ impl App {
     }
 
     pub(super) fn type_of(&mut self, output: &Link) -> Option<ValueType> {
-        let document = self.editing.document().clone();
-        let node = document.nodes.get(&output.node)?;
-        self.interfaces.of(&output.node, node, &document).output(&output.port)?.value_type
+        self.interfaces.type_of(output, self.editing.document())
     }
 
     /// What the panes want, then the grid of variations, then a picture for every node.

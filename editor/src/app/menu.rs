@@ -1,6 +1,7 @@
 //! The bars at the head and the foot of the window.
 
 use eframe::egui;
+use orograph_edit::Fault;
 
 use super::{
     App, Command,
@@ -68,11 +69,7 @@ impl App {
             self.saving_ui(ui);
             let n = self.faults.len();
             if n > 0 {
-                let words = self.faults.iter().map(|fault| match &fault.help {
-                    Some(help) => format!("{}: {help}", fault.message),
-                    None => fault.message.clone(),
-                });
-                let words = words.collect::<Vec<_>>().join("\n");
+                let words = self.faults.iter().map(Fault::words).collect::<Vec<_>>().join("\n");
                 let text = if n == 1 { "1 problem".to_owned() } else { format!("{n} problems") };
                 ui.colored_label(crate::theme::FAULT, text).on_hover_text(words);
             }

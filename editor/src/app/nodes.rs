@@ -1,7 +1,7 @@
 //! What the canvas draws of the document, made anew only when something in it changed.
 
 use orograph_core::ValueType;
-use orograph_edit::{Kind, Port};
+use orograph_edit::{Fault, Kind, Port};
 use orograph_engine::document::{Body, GRAPH, Link};
 
 use super::App;
@@ -60,10 +60,7 @@ impl App {
                 unknown: matches!(interface.kind, Kind::Unknown(_)),
                 comment: node.comment.clone(),
                 badge: self.badges.get(name).cloned(),
-                fault: fault.map(|fault| match &fault.help {
-                    Some(help) => format!("{}: {help}", fault.message),
-                    None => fault.message.clone(),
-                }),
+                fault: fault.map(Fault::words),
                 thumbnail: self.pictures.get(name).filter(|_| self.thumbnails).map(|picture| picture.id()),
             });
             for (port, links) in &node.inputs {

@@ -1,8 +1,8 @@
 //! Painting: strokes in a picture become lines of a parameter, as vectors in the document.
 
 use eframe::egui;
-use orograph_core::{Grid, ParamKind, ParamValue, Value, ValueType};
-use orograph_edit::{Interface, Port, operations, operations::Refused};
+use orograph_core::{ParamKind, ParamValue, ValueType};
+use orograph_edit::{Interface, Port, beside::grid_of, operations, operations::Refused};
 use orograph_engine::{
     compile::param_value,
     document::{Link, Literal},
@@ -248,16 +248,6 @@ fn value_of(node: &orograph_engine::document::Node, interface: &Interface, name:
     match node.params.get(name) {
         Some(literal) => param_value(literal, &param.spec).ok(),
         None => Some(param.spec.default.clone()),
-    }
-}
-
-fn grid_of(value: &Value) -> Option<&Grid> {
-    match value {
-        Value::Heightfield(raster) => Some(raster.grid()),
-        Value::Mask(raster) => Some(raster.grid()),
-        Value::Texture(raster) => Some(raster.grid()),
-        Value::Features(features) => Some(&features.grid),
-        _ => None,
     }
 }
 
