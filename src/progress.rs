@@ -41,7 +41,7 @@ impl Observer for Lines {
     fn event(&self, event: &Event<'_>) {
         match event {
             Event::Note { node, message } => console::note(&format!("{node}: {message}")),
-            Event::Finished { node, outcome: Outcome::Computed, .. } => {
+            Event::Finished { node, outcome: Outcome::Computed | Outcome::Streamed, .. } => {
                 console::note(&format!("computed {node}"));
             }
             Event::Finished { node, outcome: Outcome::Failed(error), .. } if *error != Error::Cancelled => {

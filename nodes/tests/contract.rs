@@ -36,6 +36,7 @@ swept! {
     tiny_and_void_terrain_never_panics: odd_terrain;
     a_cancelled_run_ends_as_cancelled: cancelled_run;
     writers_write_one_whole_file_or_say_why_not: writers;
+    bands_join_to_the_whole: band_by_band;
     any_number_of_threads_gives_the_same_bits: any_number_of_threads;
     undeclared_context_does_not_count: undeclared_context;
     local_nodes_give_the_same_bits_tile_by_tile: tile_by_tile;

@@ -126,7 +126,7 @@ fn tell_report(report: &Report, options: &RunOptions) {
             .iter()
             .map(|node| {
                 let why = match &node.outcome {
-                    Outcome::Computed => node.reason.clone().unwrap_or_default(),
+                    Outcome::Computed | Outcome::Streamed => node.reason.clone().unwrap_or_default(),
                     Outcome::Hit(_) if node.files.is_empty() => "its recipe is known".into(),
                     Outcome::Hit(_) => "its files are in place".into(),
                     Outcome::Cutoff(_) => "its inputs turned out as in an earlier run".into(),

@@ -77,12 +77,9 @@ fn siblings(document: &Document, interfaces: &mut Interfaces, name: &str) -> Vec
 #[must_use]
 pub fn grid_of(value: &Value) -> Option<&Grid> {
     match value {
-        Value::Heightfield(raster) => Some(raster.grid()),
-        Value::Mask(raster) => Some(raster.grid()),
-        Value::Texture(raster) => Some(raster.grid()),
         Value::Features(features) => Some(&features.grid),
         Value::Placement(placement) => Some(&placement.grid),
-        _ => None,
+        other => other.grid(),
     }
 }
 

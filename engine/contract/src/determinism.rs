@@ -8,7 +8,7 @@ use rayon::{ThreadPool, ThreadPoolBuilder};
 use crate::{
     defaults,
     host::MemoryHost,
-    inputs::{Cover, crop, digests, grid_of, slots, terrain},
+    inputs::{Cover, crop, digests, slots, terrain},
     needs_no_file,
 };
 
@@ -83,7 +83,7 @@ fn tiles_differ(node: &NodeType, cover: Cover) -> Vec<String> {
         Ok(whole) => whole,
         Err(error) => return vec![format!("it fails on a plain terrain: {error}")],
     };
-    if whole.iter().any(|value| grid_of(value).is_none_or(|grid| grid.size() != (70, 53))) {
+    if whole.iter().any(|value| value.grid().is_none_or(|grid| grid.size() != (70, 53))) {
         return vec!["it is local, but an output has another grid than the input".into()];
     }
     let Ok(instance) = node.instantiate(&defaults(node)) else {

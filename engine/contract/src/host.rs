@@ -24,6 +24,13 @@ pub(crate) struct MemoryHost {
     pub(crate) files: Files,
 }
 
+impl MemoryHost {
+    /// What was written and finished, by name.
+    pub(crate) fn written(&self) -> BTreeMap<String, Vec<u8>> {
+        self.files.lock().unwrap_or_else(PoisonError::into_inner).clone()
+    }
+}
+
 impl Host for MemoryHost {
     fn cancelled(&self) -> bool {
         self.cancelled.load(Ordering::Relaxed)

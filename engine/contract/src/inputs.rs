@@ -117,16 +117,6 @@ pub(crate) fn slots(spec: &NodeSpec, terrain: &Heightfield, all: bool) -> Vec<Sl
     spec.inputs.iter().map(slot).collect()
 }
 
-/// The grid of a raster.
-pub(crate) fn grid_of(value: &Value) -> Option<&Grid> {
-    match value {
-        Value::Heightfield(raster) => Some(raster.grid()),
-        Value::Mask(raster) => Some(raster.grid()),
-        Value::Texture(raster) => Some(raster.grid()),
-        _ => None,
-    }
-}
-
 /// The part of a raster, other values as they are.
 pub(crate) fn crop(value: &Value, [row, col, rows, cols]: [usize; 4]) -> Value {
     let job = orograph_core::Job::detached();

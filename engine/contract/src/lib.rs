@@ -2,6 +2,7 @@
 //!
 //! The built-in nodes are swept by a test, a plugin's by `orograph plugin check`.
 
+mod bands;
 mod determinism;
 mod host;
 mod inputs;
@@ -13,6 +14,7 @@ use orograph_core::{NodeType, ParamKind, ParamValue};
 /// A value of each type, over one small terrain with voids and a georeference.
 pub use inputs::samples;
 
+pub use bands::band_by_band;
 pub use determinism::{any_number_of_threads, tile_by_tile, undeclared_context};
 pub use robustness::{cancelled_run, limits_of_settings, odd_terrain, ordinary_terrain, writers};
 pub use spec::{docs, keys, names_and_limits, ranges_are_enforced, survives_a_file};
@@ -21,7 +23,7 @@ pub use spec::{docs, keys, names_and_limits, ranges_are_enforced, survives_a_fil
 pub type Check = fn(&NodeType) -> Vec<String>;
 
 /// Every check that holds for every node, with what it is about.
-pub const CHECKS: [(&str, Check); 11] = [
+pub const CHECKS: [(&str, Check); 12] = [
     ("names, limits and defaults", names_and_limits),
     ("docs", docs),
     ("spec and settings as text", survives_a_file),
@@ -31,6 +33,7 @@ pub const CHECKS: [(&str, Check); 11] = [
     ("tiny and void terrain", odd_terrain),
     ("cancelling", cancelled_run),
     ("writing", writers),
+    ("band by band", band_by_band),
     ("the same bits on 1, 2 and 8 threads", any_number_of_threads),
     ("context that is not declared", undeclared_context),
 ];

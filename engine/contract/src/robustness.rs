@@ -10,7 +10,7 @@ use orograph_core::{Context, Error, Job, NodeType, ParamKind, ParamValue, Value}
 use crate::{
     defaults,
     host::MemoryHost,
-    inputs::{Cover, grid_of, slots, terrain},
+    inputs::{Cover, slots, terrain},
     needs_no_file,
 };
 
@@ -67,7 +67,7 @@ fn judge(node: &NodeType, outputs: &[Value], size: (usize, usize)) -> Vec<String
             complaints.push(format!("`{}` carries a {}", port.name, value.value_type()));
         }
         let rasters_in = spec.inputs.iter().any(|input| input.value_type == port.value_type);
-        if let Some(grid) = grid_of(value).filter(|grid| rasters_in && grid.size() == size)
+        if let Some(grid) = value.grid().filter(|grid| rasters_in && grid.size() == size)
             && grid.georef.is_none()
         {
             complaints.push(format!("`{}` lost its georeference", port.name));

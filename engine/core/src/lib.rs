@@ -10,6 +10,7 @@ compile_error!("digests and stored values are defined on little-endian memory");
 // Lets the derives' absolute paths (`::orograph_core::…`) resolve inside this crate's own tests too.
 extern crate self as orograph_core;
 
+mod bands;
 mod buffer;
 mod codec;
 mod digest;
@@ -33,6 +34,7 @@ mod table;
 mod unit;
 mod value;
 
+pub use bands::{Band, BandSink, BandSource, Collected, rows_of};
 pub use codec::{CodecError, Encoded};
 pub use digest::{Digest, Hasher};
 pub use error::{Error, Result};
@@ -57,8 +59,8 @@ pub use value::{Value, ValueType};
 /// Everything that a node's file needs: `use orograph_core::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        CellSize, Cells, Choice, Column, ContextItem, Curve, Error, Extent, FeatureKind, Features, Georef,
-        Grid, Heightfield, InputPath, Inputs, Job, Lines, Mask, Node, OutputPath, Outputs, Params, Points,
-        Raster, RawParams, Result, Table, Texture, Value,
+        BandSink, BandSource, CellSize, Cells, Choice, Column, ContextItem, Curve, Error, Extent,
+        FeatureKind, Features, Georef, Grid, Heightfield, InputPath, Inputs, Job, Lines, Mask, Node,
+        OutputPath, Outputs, Params, Points, Raster, RawParams, Result, Table, Texture, Value,
     };
 }

@@ -1,8 +1,8 @@
 //! The node contract.
 
 use crate::{
-    CellSize, ChoiceOption, ContextItem, Error, Extent, Job, ParamKind, ParamSpec, ParamValue, PortSpec,
-    RawParams, Result, Slot, Value,
+    BandSink, BandSource, CellSize, ChoiceOption, ContextItem, Error, Extent, Grid, Job, ParamKind,
+    ParamSpec, ParamValue, PortSpec, RawParams, Result, Slot, Value,
 };
 
 /// An algorithm: its settings are the value itself, its contract the trait's constants and types.
@@ -37,6 +37,28 @@ pub trait Node: Params + Send + Sync + 'static {
     /// For a local node: how many cells beyond its own position an output cell looks, on a grid of such cells.
     fn halo(&self, _cell: CellSize) -> usize {
         0
+    }
+
+    /// Opens the node's only output, a raster, to be made band by band while no input is wired; `None` where it can only
+    /// be made as a whole.
+    ///
+    /// # Errors
+    /// What [`run`](Self::run) would return.
+    fn source(&self, _job: &Job) -> Result<Option<Box<dyn BandSource>>> {
+        Ok(None)
+    }
+
+    /// For a node that writes files: whether its only input, a raster, may come band by band, to a [`sink`](Self::sink).
+    fn takes_bands(&self) -> bool {
+        false
+    }
+
+    /// Begins the file of a node that [`takes_bands`](Self::takes_bands), for a raster on `grid`.
+    ///
+    /// # Errors
+    /// What [`run`](Self::run) would return before it looks at cells.
+    fn sink(&self, _grid: &Grid, _job: &Job) -> Result<Box<dyn BandSink>> {
+        Err(Error::invalid("the node takes no bands", "report it to the node's author"))
     }
 
     /// Rough work per cell relative to copying it; weighs the progress display, nothing else.

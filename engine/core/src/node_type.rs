@@ -3,7 +3,8 @@
 use std::sync::Arc;
 
 use crate::{
-    CellSize, Digest, Inputs, Job, Node, NodeSpec, Outputs, ParamValue, RawParams, Result, Slot, Value,
+    BandSink, BandSource, CellSize, Digest, Error, Grid, Inputs, Job, Node, NodeSpec, Outputs, ParamValue,
+    RawParams, Result, Slot, Value,
 };
 
 type Make = Box<dyn Fn(&[ParamValue]) -> Result<Arc<dyn Instance>> + Send + Sync>;
@@ -28,6 +29,24 @@ pub trait Instance: Send + Sync {
     fn halo(&self, cell: CellSize) -> usize;
     /// Rough work per cell.
     fn cost(&self) -> f64;
+    /// Its output, band by band: see [`Node::source`].
+    ///
+    /// # Errors
+    /// As there.
+    fn source(&self, _job: &Job) -> Result<Option<Box<dyn BandSource>>> {
+        Ok(None)
+    }
+    /// Whether its input may come band by band: see [`Node::takes_bands`].
+    fn takes_bands(&self) -> bool {
+        false
+    }
+    /// Begins its file: see [`Node::sink`].
+    ///
+    /// # Errors
+    /// As there.
+    fn sink(&self, _grid: &Grid, _job: &Job) -> Result<Box<dyn BandSink>> {
+        Err(Error::invalid("the node takes no bands", "report it to the node's author"))
+    }
     /// Names of files beside the input file `file` that the node reads, too, where they are there.
     fn companions(&self, _file: &str) -> Vec<String> {
         Vec::new()
@@ -125,6 +144,15 @@ impl<N: Node> Instance for Erased<N> {
     }
     fn cost(&self) -> f64 {
         self.0.cost()
+    }
+    fn source(&self, job: &Job) -> Result<Option<Box<dyn BandSource>>> {
+        self.0.source(job)
+    }
+    fn takes_bands(&self) -> bool {
+        self.0.takes_bands()
+    }
+    fn sink(&self, grid: &Grid, job: &Job) -> Result<Box<dyn BandSink>> {
+        self.0.sink(grid, job)
     }
     fn companions(&self, file: &str) -> Vec<String> {
         self.0.companions(file)

@@ -147,7 +147,7 @@ impl<K: Kind> Raster<K> {
 
     /// Untouched zeros cost nothing: each page comes, in parallel, when its row is filled, which spares a walk
     /// over the whole memory before.
-    fn zeroed(grid: Grid, job: &Job) -> Result<Self> {
+    pub(crate) fn zeroed(grid: Grid, job: &Job) -> Result<Self> {
         Self::admit(&grid, job)?;
         let cells = Buffer::zeroed(grid.len()).ok_or_else(|| Self::too_large(&grid))?;
         Ok(Self { grid, cells })

@@ -106,6 +106,12 @@ impl Cache {
         Some((record, Tier::Disk))
     }
 
+    /// As [`record`](Self::record), for a look ahead: what was found on disk counts as found there next time, too.
+    pub(crate) fn peek(&self, key: &Digest) -> Option<Arc<Record>> {
+        let held = self.records().get(key).map(Arc::clone);
+        held.or_else(|| Some(Arc::new(self.disk.as_ref()?.record(key)?)))
+    }
+
     /// Keeps a record in memory alone.
     pub(crate) fn remember(&self, key: Digest, record: &Arc<Record>) {
         let mut records = self.records();

@@ -11,10 +11,7 @@ use std::{
 use orograph_core::{Digest, Error, Host, OutputStream, Result};
 
 use super::{output::OutputFolder, run::Run};
-use crate::{
-    cache::{WrittenFile, files::is_there},
-    graph::NodeId,
-};
+use crate::{cache::WrittenFile, graph::NodeId};
 
 /// Serves one run of one node.
 pub(crate) struct TaskHost<'a> {
@@ -82,19 +79,13 @@ impl Host for TaskHost<'_> {
         self.run.shared.cache.memory_budget()
     }
     fn input_path(&self, path: &str) -> Result<PathBuf> {
-        self.run.request.graph.node(self.node).input_path(path)
+        self.run.node(self.node.0).input_path(path)
     }
     fn companion(&self, path: &str, name: &str) -> Result<Option<PathBuf>> {
-        let node = self.run.request.graph.node(self.node);
-        let named = node.companions(&node.input_path(path)?)?.into_iter().find(|(other, _)| other == name);
-        let Some((_, path)) = named else {
-            let message = format!("the node does not declare that it reads `{name}` beside `{path}`");
-            return Err(Error::invalid(message, "report it to the node's author"));
-        };
-        Ok(is_there(&path)?.then_some(path))
+        self.run.node(self.node.0).companion(path, name)
     }
     fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
-        if self.run.request.graph.node(self.node).spec().is_some_and(|spec| spec.writes) {
+        if self.run.node(self.node.0).spec().is_some_and(|spec| spec.writes) {
             return self.folder.create_noted(path, &self.written);
         }
         Err(Error::writing(path, "the node does not declare that it writes files"))

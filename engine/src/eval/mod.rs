@@ -16,6 +16,7 @@ mod plan;
 mod report;
 mod run;
 mod state;
+mod stream;
 
 use std::{
     path::PathBuf,

@@ -19,6 +19,9 @@ pub enum Outcome {
     Cutoff(Tier),
     /// It ran.
     Computed,
+    /// It ran band by band, together with the nodes around it; its values were never there as a whole, unless others
+    /// needed them so.
+    Streamed,
     /// It failed.
     Failed(Error),
     /// Something that it needs failed.
@@ -29,6 +32,12 @@ pub enum Outcome {
 }
 
 impl Outcome {
+    /// Whether the node ran, and came to its end.
+    #[must_use]
+    pub fn is_run(&self) -> bool {
+        matches!(self, Self::Computed | Self::Streamed)
+    }
+
     /// One word for tables and manifests.
     #[must_use]
     pub fn word(&self) -> &'static str {
@@ -37,6 +46,7 @@ impl Outcome {
             Self::Hit(Tier::Disk) => "disk",
             Self::Cutoff(_) => "cutoff",
             Self::Computed => "computed",
+            Self::Streamed => "streamed",
             Self::Failed(Error::Cancelled) => "cancelled",
             Self::Failed(_) => "failed",
             Self::Skipped { .. } => "skipped",
@@ -139,7 +149,7 @@ impl Report {
 
     /// The nodes that ran.
     pub fn computed(&self) -> impl Iterator<Item = &NodeReport> {
-        self.nodes.iter().filter(|node| node.outcome == Outcome::Computed)
+        self.nodes.iter().filter(|node| node.outcome.is_run())
     }
 
     /// The nodes that failed by themselves.
@@ -163,7 +173,7 @@ impl Report {
         for node in &self.nodes {
             match &node.outcome {
                 Outcome::Hit(_) | Outcome::Cutoff(_) => counts.hits += 1,
-                Outcome::Computed => counts.computed += 1,
+                Outcome::Computed | Outcome::Streamed => counts.computed += 1,
                 Outcome::Failed(_) => counts.failed += 1,
                 Outcome::Skipped { .. } => counts.skipped += 1,
             }

@@ -19,6 +19,7 @@ use super::{
     output::OutputFolder,
     report::{Event, Observer, Outcome},
     state::{Phase, Scheduler, State},
+    stream::{Chooser, Section, Streams},
 };
 use crate::{
     cache::{DigestMap, Record, StoredOutput, Tier},
@@ -37,6 +38,8 @@ pub(crate) struct Run {
     keys: Vec<Option<NodeKey>>,
     /// For each node, the first one with the same recipe: it stands for all of them.
     stand_in: Vec<u32>,
+    /// Which nodes run together, band by band.
+    streams: Streams,
     history: History,
     state: Mutex<State>,
     quiet: Condvar,
@@ -62,6 +65,14 @@ impl Run {
         let history = History::load(request.history.as_deref(), &shared.cache);
         let state = Mutex::new(State::new(keys.len()));
         let folder = OutputFolder::new(&request.out_dir);
+        let streams = Streams::new(&Chooser {
+            request: &request,
+            wanted: &wanted,
+            keys: &keys,
+            stand_in: &stand_in,
+            cache: &shared.cache,
+            folder: &folder,
+        });
         Arc::new_cyclic(|me| Self {
             shared,
             request,
@@ -71,6 +82,7 @@ impl Run {
             wanted,
             keys,
             stand_in,
+            streams,
             history,
             state,
             quiet: Condvar::new(),
@@ -83,16 +95,15 @@ impl Run {
         let mut state = self.lock();
         let mut scheduler = Scheduler::new(self, &mut state);
         for output in &self.request.outputs {
-            let node = self.stand_in[output.node.index()];
-            scheduler.request(node, true);
+            scheduler.request(self.task(output.node), true);
         }
         for writer in &self.request.writers {
-            scheduler.request(self.stand_in[writer.index()], false);
+            scheduler.request(self.task(*writer), false);
         }
         let ended = scheduler.into_ended();
         for output in &self.request.outputs {
             // The request itself is a user, so that its values stay until it is answered.
-            state.lines[self.stand_in[output.node.index()] as usize].users += 1;
+            state.lines[self.task(output.node) as usize].users += 1;
         }
         self.call_workers(&mut state, 0);
         drop(state);
@@ -199,7 +210,9 @@ impl Run {
     }
 
     fn compute(&self, node: u32, slots: &[Slot], action: Digest) -> Result<(), Error> {
-        self.observer.event(&Event::Started { node: self.name(node) });
+        for name in self.names(node) {
+            self.observer.event(&Event::Started { node: name });
+        }
         let begun = Instant::now();
         let host = TaskHost::new(self, NodeId(node), action);
         let context = visible_context(self.node(node), self.request.context);
@@ -224,10 +237,17 @@ impl Run {
         for key in &keys {
             self.shared.cache.remember(*key, &record);
         }
+        let parts = self.streams.records(NodeId(node), &record, &self.keys);
+        for (key, part) in &parts {
+            self.shared.cache.remember(*key, part);
+        }
         if self.shared.cache.disk().is_some() {
             let record = Arc::clone(&record);
             let bytes = values.iter().map(Value::size_in_memory).sum();
-            self.shared.write_behind(bytes, move |cache| cache.persist(&keys, &record, &values));
+            self.shared.write_behind(bytes, move |cache| {
+                cache.persist(&keys, &record, &values);
+                parts.iter().for_each(|(key, part)| cache.persist_record(key, part));
+            });
         }
         self.change(|scheduler| match scheduler.was_left(node) {
             true => scheduler.keep(record),
@@ -259,7 +279,10 @@ impl Run {
 
     fn tell(&self, ended: &[(u32, Outcome)], overall: f64) {
         for (node, outcome) in ended {
-            self.observer.event(&Event::Finished { node: self.name(*node), outcome, overall });
+            for (node, outcome) in self.streams.members_of(NodeId(*node), outcome) {
+                let (node, outcome) = (&self.request.graph.node(node).name, &outcome);
+                self.observer.event(&Event::Finished { node, outcome, overall });
+            }
         }
     }
 
@@ -272,7 +295,9 @@ impl Run {
             state.advance(node.0, done, self.cost(node.0));
             self.overall(&state)
         };
-        self.observer.event(&Event::Progress { node: self.name(node.0), done, overall });
+        for name in self.names(node.0) {
+            self.observer.event(&Event::Progress { node: name, done, overall });
+        }
     }
 
     pub(crate) fn note(&self, node: NodeId, message: &str) {
@@ -290,16 +315,33 @@ impl Run {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    fn node(&self, node: u32) -> &GraphNode {
-        self.request.graph.node(NodeId(node))
+    /// A task's node.
+    pub(crate) fn node(&self, node: u32) -> &GraphNode {
+        self.streams.graph().node(NodeId(node))
+    }
+
+    /// The task that gives a node's outputs: the node itself, one of equal recipe, or a section.
+    fn task(&self, node: NodeId) -> u32 {
+        let node = NodeId(self.stand_in[node.index()]);
+        self.streams.part(node).map_or(node, |part| part.section.leader()).0
     }
 
     pub(crate) fn name(&self, node: u32) -> &str {
         &self.node(node).name
     }
 
+    /// The names of the nodes that a task runs.
+    fn names(&self, node: u32) -> impl Iterator<Item = &str> {
+        let section = self.streams.section(NodeId(node));
+        let single = section.is_none().then(|| self.name(node));
+        section.into_iter().flat_map(Section::names).chain(single)
+    }
+
     pub(crate) fn key(&self, node: u32) -> &NodeKey {
         static NOTHING: NodeKey = NodeKey { settings: Digest([0; 32]), recipe: None, error: None };
+        if let Some(section) = self.streams.section(NodeId(node)) {
+            return section.key();
+        }
         self.keys[node as usize].as_ref().unwrap_or(&NOTHING)
     }
 

@@ -14,7 +14,7 @@ use orograph_core::{
 
 pub use builder::GraphBuilder;
 
-use crate::compile::expand_path;
+use crate::{cache::files::is_there, compile::expand_path};
 
 /// A node of a [`Graph`]: its index in [`Graph::nodes`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
@@ -115,6 +115,31 @@ impl GraphNode {
     pub fn input_path(&self, text: &str) -> Result<PathBuf, Error> {
         expand_path(text, self.base_dir(text), &|name| std::env::var(name).ok())
             .map_err(|error| Error::invalid(error.to_string(), error.hint()))
+    }
+
+    /// Where the file `name` beside the input file that `text` among the settings names lies; `None` where there is none.
+    ///
+    /// # Errors
+    /// [`Error::Invalid`] for a file that is none of its [`companions`](Self::companions).
+    pub(crate) fn companion(&self, text: &str, name: &str) -> Result<Option<PathBuf>, Error> {
+        let named = self.companions(&self.input_path(text)?)?.into_iter().find(|(other, _)| other == name);
+        let Some((_, path)) = named else {
+            let message = format!("the node does not declare that it reads `{name}` beside `{text}`");
+            return Err(Error::invalid(message, "report it to the node's author"));
+        };
+        Ok(is_there(&path)?.then_some(path))
+    }
+
+    /// The files that it is to write, relative to the output folder.
+    pub fn output_files(&self) -> impl Iterator<Item = &str> {
+        let (params, values) = match &self.action {
+            Action::Run { node_type, values, .. } => (node_type.spec().params.as_slice(), values.as_slice()),
+            Action::Missing(_) => (&[][..], &[][..]),
+        };
+        params.iter().zip(values).filter_map(|(param, value)| match (&param.kind, value) {
+            (ParamKind::OutputPath, ParamValue::Text(file)) => Some(file.as_str()),
+            _ => None,
+        })
     }
 
     /// The files beside the input file `path` that the node would read, too: their names, and where each would lie.
@@ -261,16 +286,14 @@ impl Graph {
         GraphBuilder { nodes: self.nodes, names: self.names }
     }
 
+    /// The same graph with other nodes in the places of its own, which keep their names.
+    pub(crate) fn with_nodes(&self, nodes: Vec<GraphNode>) -> Self {
+        Self { nodes, order: self.order.clone(), names: self.names.clone() }
+    }
+
     /// The files that a writer is to write, relative to the output folder.
     pub fn files_of(&self, writer: NodeId) -> impl Iterator<Item = &str> {
-        let (params, values) = match &self.node(writer).action {
-            Action::Run { node_type, values, .. } => (node_type.spec().params.as_slice(), values.as_slice()),
-            Action::Missing(_) => (&[][..], &[][..]),
-        };
-        params.iter().zip(values).filter_map(|(param, value)| match (&param.kind, value) {
-            (ParamKind::OutputPath, ParamValue::Text(file)) => Some(file.as_str()),
-            _ => None,
-        })
+        self.node(writer).output_files()
     }
 
     /// Two of `writers` that would write one file, and its name.

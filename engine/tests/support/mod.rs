@@ -2,6 +2,8 @@
 // Each test binary uses its part; a benchmark is not a test to clippy.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used)]
 
+mod rasters;
+
 use std::{
     sync::{
         Arc,
@@ -298,6 +300,11 @@ pub fn registry() -> Registry {
         NodeType::of::<Raise>(),
         NodeType::of::<Write>(),
         NodeType::of::<Length>(),
+        NodeType::of::<rasters::Hills>(),
+        NodeType::of::<rasters::Spread>(),
+        NodeType::of::<rasters::Join>(),
+        NodeType::of::<rasters::Top>(),
+        NodeType::of::<rasters::WriteRows>(),
     ])
     .unwrap()
 }

@@ -7,7 +7,7 @@
 use orograph_core::prelude::*;
 
 use super::{
-    ground::{GroundIn, GroundOut, sample_rows},
+    ground::{GroundIn, GroundOut, bands, sample_rows},
     noise::Noise,
     octaves::Octaves,
 };
@@ -40,6 +40,10 @@ impl Node for Fbm {
 
     fn check(&self) -> Result<()> {
         self.layers.check()
+    }
+
+    fn source(&self, job: &Job) -> Result<Option<Box<dyn BandSource>>> {
+        bands(self, &self.ground, job)
     }
 
     fn run(&self, inputs: GroundIn<'_>, job: &Job) -> Result<GroundOut> {

@@ -2,7 +2,7 @@
 
 use orograph_core::prelude::*;
 
-use super::ground::{GroundIn, GroundOut, sample_cells};
+use super::ground::{GroundIn, GroundOut, bands, sample_cells};
 use crate::Ground;
 
 /// Makes a plane that rises steadily in one direction.
@@ -29,6 +29,10 @@ impl Node for Gradient {
     const READS: &'static [ContextItem] = &[ContextItem::Resolution];
     type Inputs<'a> = GroundIn<'a>;
     type Outputs = GroundOut;
+
+    fn source(&self, job: &Job) -> Result<Option<Box<dyn BandSource>>> {
+        bands(self, &self.ground, job)
+    }
 
     fn run(&self, inputs: GroundIn<'_>, job: &Job) -> Result<GroundOut> {
         let (east, north) = libm::sincos(self.direction.to_radians());

@@ -5,7 +5,7 @@
 //! terrain, to the bit.
 
 use glam::DVec2;
-use orograph_core::prelude::*;
+use orograph_core::{Wire, prelude::*};
 
 use crate::Ground;
 
@@ -38,6 +38,31 @@ fn grid_of(ground: &Ground, like: Option<&Heightfield>, job: &Job) -> Result<Gri
     let mut grid = Grid::new(rows, cols, cell)?;
     grid.origin = DVec2::new(cell.x, -cell.y) / 2.0;
     Ok(grid)
+}
+
+/// A generator as bands of the ground that its settings name.
+pub(crate) fn bands<N>(node: &N, ground: &Ground, job: &Job) -> Result<Option<Box<dyn BandSource>>>
+where
+    N: Clone + for<'a> Node<Inputs<'a> = GroundIn<'a>, Outputs = GroundOut>,
+{
+    Ok(Some(Box::new(Generated { node: node.clone(), grid: grid_of(ground, None, job)? })))
+}
+
+/// A generator on a grid.
+struct Generated<N> {
+    node: N,
+    grid: Grid,
+}
+
+impl<N: for<'a> Node<Inputs<'a> = GroundIn<'a>, Outputs = GroundOut>> BandSource for Generated<N> {
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn band(&self, first: usize, rows: usize, job: &Job) -> Result<Value> {
+        let like = Heightfield::filled(self.grid.crop(first, 0, rows, self.grid.cols)?, 0.0, job)?;
+        Ok(self.node.run(GroundIn { like: Some(&like) }, job)?.terrain.into_value())
+    }
 }
 
 /// The terrain of the given heights: `fill` gets the world x of the columns, the world y of the row, and the row

@@ -2,7 +2,7 @@
 
 use orograph_core::prelude::*;
 
-use super::ground::{GroundIn, GroundOut, sample_cells};
+use super::ground::{GroundIn, GroundOut, bands, sample_cells};
 use crate::Ground;
 
 /// How a hill falls from its centre to its foot.
@@ -72,6 +72,10 @@ impl Node for Shape {
     const READS: &'static [ContextItem] = &[ContextItem::Resolution];
     type Inputs<'a> = GroundIn<'a>;
     type Outputs = GroundOut;
+
+    fn source(&self, job: &Job) -> Result<Option<Box<dyn BandSource>>> {
+        bands(self, &self.ground, job)
+    }
 
     fn run(&self, inputs: GroundIn<'_>, job: &Job) -> Result<GroundOut> {
         sample_cells(&self.ground, &inputs, job, |x, y| {

@@ -4,7 +4,7 @@
 use std::{
     fs::File,
     io::{BufWriter, Read, Write},
-    path::Path,
+    path::{Path, PathBuf},
 };
 
 use orograph_core::OutputStream;
@@ -13,12 +13,24 @@ use rayon::prelude::*;
 
 /// Reads the whole file; also returns its name, which errors and formats go by.
 pub(crate) fn load(path: &InputPath, job: &Job) -> Result<(Vec<u8>, String)> {
+    let (full, name) = find(path, job)?;
+    Ok((load_whole(&full, &path.0, &name, job)?, name))
+}
+
+/// Opens the file; also returns its name.
+pub(crate) fn open(path: &InputPath, job: &Job) -> Result<(File, String)> {
+    let (full, name) = find(path, job)?;
+    Ok((File::open(full).map_err(|reason| Error::reading(&path.0, reason))?, name))
+}
+
+/// Where the file lies, and its name.
+fn find(path: &InputPath, job: &Job) -> Result<(PathBuf, String)> {
     if path.0.is_empty() {
         return Err(Error::invalid("`file` names no file", "give the path of the file to read"));
     }
     let full = job.input_path(path)?;
     let name = full.file_name().map_or_else(|| path.0.clone(), |name| name.to_string_lossy().into_owned());
-    Ok((load_whole(&full, &path.0, &name, job)?, name))
+    Ok((full, name))
 }
 
 /// Reads the whole file at `full`, which the user knows as `shown`; `name` names its size.
@@ -47,8 +59,18 @@ pub(crate) fn save(
     job: &Job,
     fill: impl FnOnce(&mut BufWriter<Box<dyn OutputStream>>) -> Result<()>,
 ) -> Result<()> {
-    let mut out = BufWriter::with_capacity(1 << 18, job.create(path)?);
+    let mut out = begin(path, job)?;
     fill(&mut out)?;
+    end(out, path, job)
+}
+
+/// Begins a file as a buffered stream; it appears when it is [ended](end).
+pub(crate) fn begin(path: &OutputPath, job: &Job) -> Result<BufWriter<Box<dyn OutputStream>>> {
+    Ok(BufWriter::with_capacity(1 << 18, job.create(path)?))
+}
+
+/// Puts a file in its place.
+pub(crate) fn end(mut out: BufWriter<Box<dyn OutputStream>>, path: &OutputPath, job: &Job) -> Result<()> {
     job.check()?;
     out.flush().map_err(|reason| Error::writing(&path.0, reason))?;
     out.into_inner().map_err(|failed| Error::writing(&path.0, failed.error()))?.finish()

@@ -24,6 +24,7 @@ mod tests;
 pub mod write_ascii;
 pub mod write_exr;
 pub mod write_geotiff;
+pub mod write_geotiff_texture;
 pub mod write_hgt;
 pub mod write_mask;
 pub mod write_png;
@@ -47,6 +48,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<write_ascii::WriteAscii>(),
         NodeType::of::<write_exr::WriteExr>(),
         NodeType::of::<write_geotiff::WriteGeotiff>(),
+        NodeType::of::<write_geotiff_texture::WriteGeotiffTexture>(),
         NodeType::of::<write_hgt::WriteHgt>(),
         NodeType::of::<write_mask::WriteMask>(),
         NodeType::of::<write_png::WritePng>(),

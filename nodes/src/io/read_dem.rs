@@ -3,9 +3,15 @@
 //! The format is told from the first bytes, and from the length for SRTM tiles, which have no header: the
 //! extension lies too often to be asked first.
 
+use std::io::{Read, Seek};
+
 use orograph_core::prelude::*;
 
-use super::{archive, ascii, file, geotiff, hgt};
+use super::{
+    archive, ascii, file,
+    geotiff::{self, GeotiffSource},
+    hgt,
+};
 
 /// Reads an elevation model: GeoTIFF, SRTM `.hgt`, ESRI ASCII grid, or a zip of one.
 ///
@@ -35,14 +41,35 @@ impl Node for ReadDem {
     type Inputs<'a> = ();
     type Outputs = ReadDemOut;
 
+    /// A GeoTIFF can be read a few rows at a time.
+    fn source(&self, job: &Job) -> Result<Option<Box<dyn BandSource>>> {
+        let (mut opened, name) = file::open(&self.file, job)?;
+        let mut magic = Vec::new();
+        let looked = (&mut opened).take(4).read_to_end(&mut magic).and_then(|_| opened.rewind());
+        looked.map_err(|reason| Error::reading(&self.file.0, reason))?;
+        if !geotiff::looks_like(&magic) {
+            return Ok(None);
+        }
+        let Some(source) = GeotiffSource::open(opened, &self.file.0, &name, job)? else { return Ok(None) };
+        let grid = self.placed(source.grid().clone());
+        Ok(Some(Box::new(source.with_grid(grid))))
+    }
+
     fn run(&self, (): (), job: &Job) -> Result<ReadDemOut> {
         let (bytes, name) = file::load(&self.file, job)?;
-        let mut terrain = read(&bytes, &name, job)?;
-        if self.cell > 0.0 && terrain.grid().georef.is_none() {
-            let grid = Grid { cell: CellSize::square(self.cell), ..terrain.grid().clone() };
-            terrain = terrain.with_grid(grid)?;
+        let terrain = read(&bytes, &name, job)?;
+        let grid = self.placed(terrain.grid().clone());
+        Ok(ReadDemOut { terrain: terrain.with_grid(grid)? })
+    }
+}
+
+impl ReadDem {
+    /// The grid with the cell size of the settings, where the file tells none.
+    fn placed(&self, grid: Grid) -> Grid {
+        if self.cell > 0.0 && grid.georef.is_none() {
+            return Grid { cell: CellSize::square(self.cell), ..grid };
         }
-        Ok(ReadDemOut { terrain })
+        grid
     }
 }
 
@@ -62,7 +89,7 @@ pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
 }
 
 fn read_plain(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
-    if matches!(bytes.get(..4), Some(b"II*\0" | b"MM\0*" | b"II+\0" | b"MM\0+")) {
+    if geotiff::looks_like(bytes) {
         return geotiff::read(bytes, name, job);
     }
     if ascii::looks_like(bytes) {

@@ -1,10 +1,10 @@
 //! Write GeoTIFF: the format that loses nothing.
 
-use orograph_core::prelude::*;
+use orograph_core::{Metres, prelude::*};
 
 use super::{
     file,
-    geotiff::{self, Compression, Layout, Options, SampleType},
+    geotiff::{self, Compression, GeotiffSink, Layout, Options, SampleType},
 };
 
 /// Writes terrain as GeoTIFF with its georeference; BigTIFF by itself where 4 GiB would not do.
@@ -58,6 +58,15 @@ impl Node for WriteGeotiff {
     fn check(&self) -> Result<()> {
         file::check_extension(&self.file, &["tif", "tiff"])?;
         self.options().check()
+    }
+
+    fn takes_bands(&self) -> bool {
+        true
+    }
+
+    fn sink(&self, grid: &Grid, job: &Job) -> Result<Box<dyn BandSink>> {
+        let begin = |out| geotiff::heights(grid, &self.options(), out, &self.file.0);
+        Ok(Box::new(GeotiffSink::<Metres, _>::new(&self.file, job, begin)?))
     }
 
     fn run(&self, inputs: WriteGeotiffIn<'_>, job: &Job) -> Result<()> {

@@ -3,9 +3,10 @@
 use orograph_core::prelude::*;
 
 use super::{
+    cells::Described,
     geokeys::GeoTags,
     tag,
-    write::{Compression, Layout, Options, SampleType},
+    write::{Compression, Layout, Storage},
 };
 
 /// The tags of a file being written.
@@ -37,7 +38,8 @@ impl Directory {
     pub(super) fn describe(
         &mut self,
         grid: &Grid,
-        options: &Options,
+        cells: &Described,
+        storage: &Storage,
         (rows, cols): (usize, usize),
         (offsets, counts): (&[u64], &[u64]),
         job: &Job,
@@ -46,28 +48,27 @@ impl Directory {
         if let Some(remark) = &geo.remark {
             job.warn(remark);
         }
-        let compression = match options.compression {
+        let compression = match storage.compression {
             Compression::None => 1,
             Compression::Lzw => 5,
             Compression::Deflate => 8,
         };
-        let (format, predictor) = match options.sample {
-            SampleType::Uint16 => (1, 2),
-            SampleType::Int16 | SampleType::Int32 => (2, 2),
-            SampleType::Float32 | SampleType::Float64 => (3, 3),
-        };
         self.longs(tag::IMAGE_WIDTH, &[grid.cols as u64]);
         self.longs(tag::IMAGE_LENGTH, &[grid.rows as u64]);
-        self.shorts(tag::BITS_PER_SAMPLE, &[options.sample.size() as u16 * 8]);
+        self.shorts(tag::BITS_PER_SAMPLE, &cells.bits);
         self.shorts(tag::COMPRESSION, &[compression]);
-        self.shorts(tag::PHOTOMETRIC, &[1]);
-        self.shorts(tag::SAMPLES_PER_PIXEL, &[1]);
+        self.shorts(tag::PHOTOMETRIC, &[cells.photometric]);
+        self.shorts(tag::SAMPLES_PER_PIXEL, &[cells.bits.len() as u16]);
         self.shorts(tag::PLANAR_CONFIGURATION, &[1]);
-        self.shorts(tag::SAMPLE_FORMAT, &[format]);
+        self.shorts(tag::SAMPLE_FORMAT, &vec![cells.format; cells.bits.len()]);
         if compression != 1 {
-            self.shorts(tag::PREDICTOR, &[predictor]);
+            self.shorts(tag::PREDICTOR, &[cells.predictor]);
         }
-        match options.layout {
+        if cells.alpha {
+            const UNASSOCIATED: u16 = 2;
+            self.shorts(tag::EXTRA_SAMPLES, &[UNASSOCIATED]);
+        }
+        match storage.layout {
             Layout::Tiles => {
                 self.shorts(tag::TILE_WIDTH, &[cols as u16]);
                 self.shorts(tag::TILE_LENGTH, &[rows as u16]);
@@ -94,7 +95,9 @@ impl Directory {
         if !geo.texts.is_empty() {
             self.text(tag::GEO_ASCII_PARAMS, &geo.texts);
         }
-        self.text(tag::GDAL_NODATA, &format!("{}", options.stored_nodata()));
+        if let Some(nodata) = cells.nodata {
+            self.text(tag::GDAL_NODATA, &format!("{nodata}"));
+        }
         self.entries.sort_by_key(|entry| entry.0);
     }
 

@@ -1,11 +1,15 @@
 //! The container: header, byte order, and the tags of the first image.
 
+use std::borrow::Cow;
+
 use orograph_core::prelude::*;
+
+use super::bytes::Bytes;
 
 /// A TIFF file's bytes with their byte order and the tags of the first image.
 pub(super) struct Ifd<'a> {
-    bytes: &'a [u8],
-    name: &'a str,
+    bytes: Bytes<'a>,
+    name: String,
     /// Whether numbers are stored big-endian.
     pub(super) big_endian: bool,
     entries: Vec<Entry>,
@@ -22,13 +26,13 @@ struct Entry {
 
 impl<'a> Ifd<'a> {
     /// Parses the header and the first directory of a classic TIFF or BigTIFF.
-    pub(super) fn parse(bytes: &'a [u8], name: &'a str) -> Result<Self> {
-        let big_endian = match bytes.get(..2) {
+    pub(super) fn parse(bytes: Bytes<'a>, name: &str) -> Result<Self> {
+        let big_endian = match bytes.get(0, 2)?.as_deref() {
             Some(b"II") => false,
             Some(b"MM") => true,
             _ => return Err(Error::format(name, "this is no TIFF file")),
         };
-        let mut ifd = Self { bytes, name, big_endian, entries: Vec::new() };
+        let mut ifd = Self { bytes, name: name.to_owned(), big_endian, entries: Vec::new() };
         let (entries, wide) = match ifd.unsigned(2, 2)? {
             42 => (ifd.unsigned(4, 4)?, false),
             43 if ifd.unsigned(4, 2)? == 8 => (ifd.unsigned(8, 8)?, true),
@@ -38,7 +42,7 @@ impl<'a> Ifd<'a> {
         let (count_len, word) = if wide { (8, 8) } else { (2, 4) };
         let entry_len = 4 + 2 * word;
         let count = ifd.unsigned(start, count_len)?;
-        let room = bytes.len().saturating_sub(start) / entry_len;
+        let room = usize::try_from(ifd.bytes.len()).unwrap_or(usize::MAX).saturating_sub(start) / entry_len;
         let count = usize::try_from(count).ok().filter(|&n| n <= room).ok_or_else(|| ifd.truncated())?;
         for i in 0..count {
             let at = start + count_len + i * entry_len;
@@ -95,26 +99,24 @@ impl<'a> Ifd<'a> {
         Ok(Some(String::from_utf8_lossy(&raw[..end]).into_owned()))
     }
 
-    /// `len` bytes of the file from `start` on.
-    pub(super) fn slice(&self, start: u64, len: u64) -> Option<&'a [u8]> {
-        let start = usize::try_from(start).ok()?;
-        let end = start.checked_add(usize::try_from(len).ok()?)?;
-        self.bytes.get(start..end)
+    /// `len` bytes of the file from `start` on; `None` where it ends before.
+    pub(super) fn slice(&self, start: u64, len: u64) -> Result<Option<Cow<'_, [u8]>>> {
+        self.bytes.get(start, len)
     }
 
     fn entry(&self, tag: u16) -> Option<Entry> {
         self.entries.iter().find(|entry| entry.tag == tag).copied()
     }
 
-    fn raw(&self, entry: Entry) -> Result<&'a [u8]> {
+    fn raw(&self, entry: Entry) -> Result<Cow<'_, [u8]>> {
         let len = size_of_kind(entry.kind).and_then(|size| size.checked_mul(entry.count));
-        let end = len.and_then(|len| entry.start.checked_add(len));
-        end.and_then(|end| self.bytes.get(entry.start..end)).ok_or_else(|| self.truncated())
+        let len = len.ok_or_else(|| self.truncated())?;
+        self.bytes.get(entry.start as u64, len as u64)?.ok_or_else(|| self.truncated())
     }
 
     fn unsigned(&self, start: usize, len: usize) -> Result<u64> {
-        let bytes = self.bytes.get(start..).and_then(|rest| rest.get(..len));
-        bytes.map(|bytes| self.number(bytes)).ok_or_else(|| self.truncated())
+        let bytes = self.bytes.get(start as u64, len as u64)?;
+        bytes.map(|bytes| self.number(&bytes)).ok_or_else(|| self.truncated())
     }
 
     fn number(&self, bytes: &[u8]) -> u64 {
@@ -123,11 +125,11 @@ impl<'a> Ifd<'a> {
     }
 
     fn truncated(&self) -> Error {
-        Error::format(self.name, "the file is truncated: its header points beyond its end")
+        Error::format(&self.name, "the file is truncated: its header points beyond its end")
     }
 
     fn wrong_type(&self, tag: u16) -> Error {
-        Error::format(self.name, format!("tag {tag} has values of the wrong type"))
+        Error::format(&self.name, format!("tag {tag} has values of the wrong type"))
     }
 }
 

@@ -6,6 +6,8 @@
 //! predictor 3 and decodes on one thread, and `geotiff-writer` is weeks old. The headers of a file are never
 //! believed: an array or a buffer is made only when the bytes that would fill it are there.
 
+mod bytes;
+mod cells;
 mod codec;
 mod directory;
 mod feet;
@@ -13,10 +15,18 @@ mod geokeys;
 mod ifd;
 mod read;
 mod sample;
+mod sink;
 mod write;
 
-pub use read::read;
-pub use write::{Compression, Layout, Options, SampleType, write};
+pub use cells::{Cells, Colours, Described, Heights};
+pub use read::{GeotiffSource, read};
+pub(crate) use sink::GeotiffSink;
+pub use write::{Compression, Layout, Options, SampleType, Storage, Writer, heights, write};
+
+/// Whether these are the first bytes of a TIFF file, classic or big.
+pub(crate) fn looks_like(bytes: &[u8]) -> bool {
+    matches!(bytes.get(..4), Some(b"II*\0" | b"MM\0*" | b"II+\0" | b"MM\0+"))
+}
 
 /// Tags, by their names in the specification.
 mod tag {
@@ -36,6 +46,7 @@ mod tag {
     pub(super) const TILE_LENGTH: u16 = 323;
     pub(super) const TILE_OFFSETS: u16 = 324;
     pub(super) const TILE_BYTE_COUNTS: u16 = 325;
+    pub(super) const EXTRA_SAMPLES: u16 = 338;
     pub(super) const SAMPLE_FORMAT: u16 = 339;
     pub(super) const MODEL_PIXEL_SCALE: u16 = 33550;
     pub(super) const MODEL_TIEPOINT: u16 = 33922;

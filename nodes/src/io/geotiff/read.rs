@@ -1,9 +1,12 @@
-//! Reading.
+//! Reading, all at once or a few rows at a time.
 
-use orograph_core::prelude::*;
+use std::fs::File;
+
+use orograph_core::{Wire, prelude::*};
 use rayon::prelude::*;
 
 use super::{
+    bytes::Bytes,
     codec::Packing,
     geokeys::{Placed, place},
     ifd::Ifd,
@@ -15,7 +18,7 @@ use crate::io::file::refuse_infinite;
 /// The strips or tiles of the image, and how to unpack them.
 struct Layout<'a> {
     ifd: Ifd<'a>,
-    name: &'a str,
+    name: String,
     rows: usize,
     cols: usize,
     /// Rows and columns of a chunk; a strip is as wide as the image.
@@ -39,14 +42,9 @@ struct Layout<'a> {
 /// [`Error::Format`] for what is no TIFF, is cut short, corrupt or of an unsupported kind (which it names),
 /// [`Error::NonFinite`] for an infinite height, [`Error::TooLarge`], [`Error::Cancelled`].
 pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
-    let mut layout = Layout::parse(bytes, name, job)?;
-    let Placed { grid, height_unit } = place(&layout.ifd, name, (layout.rows, layout.cols), job)?;
-    layout.apply_unit(height_unit, job)?;
+    let (layout, grid) = Layout::open(Bytes::Memory(bytes), name, job)?;
     let mut terrain = Heightfield::filled(grid, f32::NAN, job)?;
     let cols = layout.cols;
-    if terrain.grid().is_empty() {
-        return Err(Error::EmptyInput { what: name.into() });
-    }
     let bands = terrain.rows().div_ceil(layout.chunk.0);
     let done = job.stage(bands as u64);
     terrain.cells_mut().par_chunks_mut(layout.chunk.0.saturating_mul(cols)).enumerate().try_for_each_init(
@@ -61,8 +59,88 @@ pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
     Ok(terrain)
 }
 
+/// The heights in a GeoTIFF file that is read a few rows at a time.
+pub struct GeotiffSource {
+    layout: Layout<'static>,
+    grid: Grid,
+}
+
+/// Bytes of the rows of strips or tiles side by side beyond which a file is better read as a whole.
+const LARGEST_STEP: usize = 256 << 20;
+
+impl GeotiffSource {
+    /// The heights in `file`, known to the user as `shown`; `name` names it in other errors. `None` for a file whose rows
+    /// come too many at a time.
+    ///
+    /// # Errors
+    /// As [`read`], as far as the header tells.
+    pub fn open(file: File, shown: &str, name: &str, job: &Job) -> Result<Option<Self>> {
+        let (layout, grid) = Layout::open(Bytes::of_file(file, shown)?, name, job)?;
+        let step = layout.chunk.0.saturating_mul(layout.cols).saturating_mul(layout.row.encoding.size());
+        Ok((step <= LARGEST_STEP).then_some(Self { layout, grid }))
+    }
+
+    /// The same heights with other cells.
+    #[must_use]
+    pub fn with_grid(self, grid: Grid) -> Self {
+        Self { grid, ..self }
+    }
+}
+
+impl BandSource for GeotiffSource {
+    fn grid(&self) -> &Grid {
+        &self.grid
+    }
+
+    fn step(&self) -> usize {
+        self.layout.chunk.0
+    }
+
+    fn band(&self, first: usize, rows: usize, job: &Job) -> Result<Value> {
+        let (layout, cols, step) = (&self.layout, self.layout.cols, self.layout.chunk.0);
+        let mut band = Heightfield::filled(self.grid.crop(first, 0, rows, cols)?, f32::NAN, job)?;
+        // Rows of the band that lie in one row of strips or tiles are filled together.
+        let lead = (first.next_multiple_of(step) - first).min(rows);
+        let (head, rest) = band.cells_mut().split_at_mut(lead * cols);
+        let parts = head.par_chunks_mut((lead * cols).max(1)).chain(rest.par_chunks_mut(step * cols));
+        parts.enumerate().try_for_each_init(
+            Default::default,
+            |scratch: &mut (Vec<f32>, Vec<u8>), (part, out)| {
+                let row = if part == 0 || lead == 0 {
+                    first + part * step
+                } else {
+                    first + lead + (part - 1) * step
+                };
+                let (index, skip) = (row / step, row % step);
+                let stored = step.min(layout.rows - index * step);
+                if (skip, out.len()) == (0, stored * cols) {
+                    return layout.read_band(index, out, &mut scratch.1, job);
+                }
+                scratch.0.clear();
+                scratch.0.resize(stored * cols, f32::NAN);
+                layout.read_band(index, &mut scratch.0, &mut scratch.1, job)?;
+                out.copy_from_slice(&scratch.0[skip * cols..][..out.len()]);
+                Ok(())
+            },
+        )?;
+        refuse_infinite(&band, &layout.name).map_err(|error| match error {
+            Error::NonFinite { what, row, col } => Error::NonFinite { what, row: row + first, col },
+            other => other,
+        })?;
+        Ok(band.into_value())
+    }
+}
+
 impl<'a> Layout<'a> {
-    fn parse(bytes: &'a [u8], name: &'a str, job: &Job) -> Result<Self> {
+    /// The cells that a file holds, and where they lie.
+    fn open(bytes: Bytes<'a>, name: &str, job: &Job) -> Result<(Self, Grid)> {
+        let mut layout = Self::parse(bytes, name, job)?;
+        let Placed { grid, height_unit } = place(&layout.ifd, name, (layout.rows, layout.cols), job)?;
+        layout.apply_unit(height_unit, job)?;
+        Ok((layout, grid))
+    }
+
+    fn parse(bytes: Bytes<'a>, name: &str, job: &Job) -> Result<Self> {
         let ifd = Ifd::parse(bytes, name)?;
         let fail = |reason: String| Error::format(name, reason);
         let need = |tag, what: &str| {
@@ -125,8 +203,19 @@ impl<'a> Layout<'a> {
         let nodata = ifd.text(tag::GDAL_NODATA)?.and_then(|text| text.trim().parse().ok());
         let scale = ifd.text(tag::GDAL_METADATA)?.and_then(|text| scale_and_offset(&text));
         let row = Row { encoding, big_endian: ifd.big_endian, predictor, bands, nodata, scale };
-        let layout =
-            Self { ifd, name, rows, cols, chunk, across, packing, row, offsets, byte_counts, padded };
+        let layout = Self {
+            ifd,
+            name: name.to_owned(),
+            rows,
+            cols,
+            chunk,
+            across,
+            packing,
+            row,
+            offsets,
+            byte_counts,
+            padded,
+        };
         layout.admit(chunks)?;
         Ok(layout)
     }
@@ -141,7 +230,7 @@ impl<'a> Layout<'a> {
         let wanted = self.rows.saturating_mul(self.cols).saturating_mul(self.row.encoding.size());
         if !sparse && most < wanted {
             return Err(Error::format(
-                self.name,
+                &self.name,
                 format!("it promises {} × {} cells, but holds too few bytes", self.rows, self.cols),
             ));
         }
@@ -171,20 +260,20 @@ impl<'a> Layout<'a> {
                 continue; // a sparse file leaves out what holds nothing
             }
             let number = index + 1;
-            let packed = self.ifd.slice(offset, count).ok_or_else(|| {
+            let packed = self.ifd.slice(offset, count)?.ok_or_else(|| {
                 Error::format(
-                    self.name,
+                    &self.name,
                     format!("the file is truncated: strip or tile {number} is not there"),
                 )
             })?;
             let len = row_len.saturating_mul(stored_rows);
             let corrupt =
-                || Error::format(self.name, format!("strip or tile {number} is corrupt or cut short"));
+                || Error::format(&self.name, format!("strip or tile {number} is corrupt or cut short"));
             if self.packing.most(packed.len()) < len {
                 return Err(corrupt());
             }
             scratch.resize(len, 0);
-            if !self.packing.unpack(packed, scratch) {
+            if !self.packing.unpack(&packed, scratch) {
                 return Err(corrupt());
             }
             let first = across * self.chunk.1;

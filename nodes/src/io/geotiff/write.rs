@@ -1,4 +1,4 @@
-//! Writing: the order of the parts, and the bytes of a strip or tile.
+//! Writing: the order of the parts, whether the rows come all at once or a few at a time.
 
 use std::io::{Seek, SeekFrom, Write};
 
@@ -6,10 +6,11 @@ use orograph_core::prelude::*;
 use rayon::prelude::*;
 
 use super::{
+    cells::{Cells, Heights},
     codec,
     directory::Directory,
-    sample::{self, Bits},
 };
+use crate::io::file::refuse_empty;
 
 /// How heights are stored.
 #[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
@@ -94,7 +95,7 @@ impl SampleType {
     }
 
     /// Lowest and highest value; for floats those of f32.
-    fn limits(self) -> (f64, f64) {
+    pub(super) fn limits(self) -> (f64, f64) {
         match self {
             Self::Float32 | Self::Float64 => (f64::from(f32::MIN), f64::from(f32::MAX)),
             Self::Int32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
@@ -103,11 +104,11 @@ impl SampleType {
         }
     }
 
-    fn is_float(self) -> bool {
+    pub(super) fn is_float(self) -> bool {
         matches!(self, Self::Float32 | Self::Float64)
     }
 
-    fn name(self) -> &'static str {
+    pub(super) fn name(self) -> &'static str {
         Choice::name(&self)
     }
 }
@@ -130,14 +131,43 @@ impl Options {
         if self.sample.is_float() { f64::from(self.nodata as f32) } else { self.nodata }
     }
 
-    /// Rows and columns of a chunk.
-    fn chunk(&self, grid: &Grid) -> (usize, usize) {
+    /// How the cells are grouped and packed.
+    fn storage(&self) -> Storage {
+        let Self { compression, level, layout, big, .. } = *self;
+        Storage { compression, level, layout, big }
+    }
+}
+
+/// How the cells of a file are grouped and packed, whatever they are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Storage {
+    /// How bytes are packed.
+    pub compression: Compression,
+    /// Effort of deflate, 1 (fast) to 9 (small).
+    pub level: u32,
+    /// How cells are grouped.
+    pub layout: Layout,
+    /// Writes BigTIFF even where 4 GiB would do.
+    pub big: bool,
+}
+
+impl Storage {
+    /// Rows and columns of a chunk of cells of so many bytes.
+    fn chunk(&self, grid: &Grid, cell: usize) -> (usize, usize) {
         match self.layout {
             Layout::Tiles => (TILE, TILE),
             Layout::Strips => {
-                let rows = STRIP_BYTES / (grid.cols * self.sample.size()).max(1);
+                let rows = STRIP_BYTES / (grid.cols * cell).max(1);
                 (rows.clamp(1, grid.rows.max(1)), grid.cols)
             }
+        }
+    }
+
+    fn pack(&self, bytes: Vec<u8>) -> Vec<u8> {
+        match self.compression {
+            Compression::None => bytes,
+            Compression::Lzw => codec::lzw(&bytes),
+            Compression::Deflate => codec::deflate(&bytes, self.level),
         }
     }
 }
@@ -156,155 +186,181 @@ pub fn write(
     name: &str,
     job: &Job,
 ) -> Result<()> {
+    refuse_empty(terrain, "terrain")?;
+    let mut writer = heights(terrain.grid(), options, out, name)?;
+    writer.take(terrain.cells(), job)?;
+    writer.finish(job)?;
+    Ok(())
+}
+
+/// Begins a file of heights on `grid`, as [`write`] writes it; rows are given to [`Writer::take`].
+///
+/// # Errors
+/// [`Error::Invalid`] for options that do not go together, [`Error::EmptyInput`], [`Error::Io`].
+pub fn heights<W: Write + Seek>(
+    grid: &Grid,
+    options: &Options,
+    out: W,
+    name: &str,
+) -> Result<Writer<W, Heights>> {
     options.check()?;
-    let grid = terrain.grid();
-    crate::io::file::refuse_empty(terrain, "terrain")?;
-    let failed = |reason: std::io::Error| Error::writing(name, reason);
-    let (rows, cols) = options.chunk(grid);
-    let (down, across) = (grid.rows.div_ceil(rows), grid.cols.div_ceil(cols));
-    let raw = (down * across) as u64 * (rows * cols * options.sample.size() + 16) as u64;
-    let big = options.big || raw > CLASSIC_LIMIT;
-    let mut directory = Directory::new(big);
-    out.write_all(&directory.header(0)).map_err(failed)?;
-    let mut position = directory.header(0).len() as u64;
-    let (mut offsets, mut counts) = (Vec::new(), Vec::new());
-    let done = job.stage((down * across) as u64);
-    for batch in (0..down * across).collect::<Vec<_>>().chunks(BATCH) {
-        let pack = |&index: &usize| {
-            job.check()?;
-            let bytes = encode_chunk(terrain, options, (rows, cols), (index / across, index % across))?;
-            done.advance(1);
-            Ok(bytes)
+    Writer::begin(grid, Heights(*options), options.storage(), out, name)
+}
+
+/// A file under way, which takes its rows from the first to the last.
+pub struct Writer<W, C: Cells> {
+    out: W,
+    name: String,
+    image: Image<C>,
+    directory: Directory,
+    /// Bytes written.
+    position: u64,
+    offsets: Vec<u64>,
+    counts: Vec<u64>,
+    /// Rows in chunks that are written.
+    written: usize,
+    /// The rows after them, too few for a chunk.
+    rest: Vec<C::Cell>,
+}
+
+/// What a file holds, and how.
+struct Image<C> {
+    grid: Grid,
+    cells: C,
+    storage: Storage,
+    /// Rows and columns of a chunk.
+    chunk: (usize, usize),
+}
+
+impl<W: Write + Seek, C: Cells> Writer<W, C> {
+    /// Begins a file of such cells on `grid`.
+    ///
+    /// # Errors
+    /// [`Error::EmptyInput`]; [`Error::Io`] with `name` from the stream.
+    pub fn begin(grid: &Grid, cells: C, storage: Storage, out: W, name: &str) -> Result<Self> {
+        if grid.is_empty() {
+            return Err(Error::EmptyInput { what: C::NAME.into() });
+        }
+        let (rows, cols) = storage.chunk(grid, cells.size());
+        let chunks = grid.rows.div_ceil(rows) * grid.cols.div_ceil(cols);
+        let raw = chunks as u64 * (rows * cols * cells.size() + 16) as u64;
+        let mut writer = Self {
+            out,
+            name: name.to_owned(),
+            image: Image { grid: grid.clone(), cells, storage, chunk: (rows, cols) },
+            directory: Directory::new(storage.big || raw > CLASSIC_LIMIT),
+            position: 0,
+            offsets: Vec::new(),
+            counts: Vec::new(),
+            written: 0,
+            rest: Vec::new(),
         };
-        for bytes in batch.par_iter().map(pack).collect::<Result<Vec<_>>>()? {
-            out.write_all(&bytes).map_err(failed)?;
-            offsets.push(position);
-            counts.push(bytes.len() as u64);
-            position += bytes.len() as u64;
-        }
+        writer.put(&writer.directory.header(0))?;
+        Ok(writer)
     }
-    if position % 2 == 1 {
-        out.write_all(&[0]).map_err(failed)?;
-        position += 1;
-    }
-    directory.describe(grid, options, (rows, cols), (&offsets, &counts), job);
-    out.write_all(&directory.bytes(position)).map_err(failed)?;
-    out.seek(SeekFrom::Start(0)).map_err(failed)?;
-    out.write_all(&directory.header(position)).map_err(failed)?;
-    out.seek(SeekFrom::End(0)).map_err(failed)?;
-    Ok(())
-}
 
-/// The packed bytes of the chunk at (`down`, `across`).
-fn encode_chunk(
-    terrain: &Heightfield,
-    options: &Options,
-    (rows, cols): (usize, usize),
-    (down, across): (usize, usize),
-) -> Result<Vec<u8>> {
-    let (row0, col0) = (down * rows, across * cols);
-    let last_row = (row0 + rows).min(terrain.rows());
-    let width = cols.min(terrain.cols() - col0);
-    let mut bytes = Vec::with_capacity(rows * cols * options.sample.size());
-    let lines = (row0..last_row).map(|row| (row, &terrain.row(row)[col0..][..width]));
-    let fault = |(row, col): (usize, usize)| refusal(terrain, options, row, col0 + col);
-    match options.sample {
-        SampleType::Float32 => floats(lines, cols, options, |height| height.to_bits(), &mut bytes),
-        SampleType::Float64 => floats(lines, cols, options, |height| f64::from(height).to_bits(), &mut bytes),
-        SampleType::Int16 | SampleType::Uint16 => {
-            integers(lines, cols, options, |whole| whole as u16, &mut bytes)
+    /// Takes the rows that follow those taken before.
+    ///
+    /// # Errors
+    /// As [`write`]; [`Error::Invalid`] for other than whole rows of the grid.
+    pub fn take(&mut self, cells: &[C::Cell], job: &Job) -> Result<()> {
+        let cols = self.image.grid.cols;
+        let rest = std::mem::take(&mut self.rest);
+        let lines: Vec<&[C::Cell]> = rest.chunks(cols).chain(cells.chunks(cols)).collect();
+        let taken = self.written + lines.len();
+        if !cells.len().is_multiple_of(cols) || taken > self.image.grid.rows {
+            return Err(Error::invalid("these are not the rows that the file needs", "report it"));
         }
-        SampleType::Int32 => integers(lines, cols, options, |whole| whole as u32, &mut bytes),
+        let whole = if taken == self.image.grid.rows {
+            lines.len()
+        } else {
+            lines.len() / self.image.chunk.0 * self.image.chunk.0
+        };
+        let (lines, left) = lines.split_at(whole);
+        self.write_chunks(lines, job)?;
+        self.rest = left.concat();
+        Ok(())
     }
-    .map_err(fault)?;
-    // Tiles are stored whole; below the last row they repeat nothing and cost almost nothing.
-    if options.layout == Layout::Tiles {
-        bytes.resize(rows * cols * options.sample.size(), 0);
-    }
-    Ok(match options.compression {
-        Compression::None => bytes,
-        Compression::Lzw => codec::lzw(&bytes),
-        Compression::Deflate => codec::deflate(&bytes, options.level),
-    })
-}
 
-/// Appends rows of floating-point samples; the row and column of one that cannot be written otherwise.
-fn floats<'a, B: Bits>(
-    lines: impl Iterator<Item = (usize, &'a [f32])>,
-    cols: usize,
-    options: &Options,
-    bits: impl Fn(f32) -> B,
-    bytes: &mut Vec<u8>,
-) -> Result<(), (usize, usize)> {
-    let nodata = options.nodata as f32;
-    let mut samples = vec![bits(nodata); cols];
-    for (row, heights) in lines {
-        for (col, (out, &height)) in samples.iter_mut().zip(heights).enumerate() {
-            if height == nodata || height.is_infinite() {
-                return Err((row, col));
+    /// Writes rows that fill chunks, or end with the last one.
+    fn write_chunks(&mut self, lines: &[&[C::Cell]], job: &Job) -> Result<()> {
+        let across = self.image.grid.cols.div_ceil(self.image.chunk.1);
+        let chunks: Vec<usize> = (0..lines.len().div_ceil(self.image.chunk.0) * across).collect();
+        let done = job.stage(chunks.len() as u64);
+        for batch in chunks.chunks(BATCH) {
+            let (image, written) = (&self.image, self.written);
+            let pack = |&index: &usize| {
+                job.check()?;
+                let bytes = image.packed(lines, written, (index / across, index % across))?;
+                done.advance(1);
+                Ok(bytes)
+            };
+            for bytes in batch.par_iter().map(pack).collect::<Result<Vec<_>>>()? {
+                self.offsets.push(self.position);
+                self.counts.push(bytes.len() as u64);
+                self.put(&bytes)?;
             }
-            *out = bits(if height.is_nan() { nodata } else { height });
         }
-        append(&samples, options, sample::sort_bytes, bytes);
+        self.written += lines.len();
+        Ok(())
     }
-    Ok(())
-}
 
-/// Appends rows of whole samples; the row and column of one that cannot be written otherwise.
-fn integers<'a, B: Bits>(
-    lines: impl Iterator<Item = (usize, &'a [f32])>,
-    cols: usize,
-    options: &Options,
-    bits: impl Fn(i64) -> B,
-    bytes: &mut Vec<u8>,
-) -> Result<(), (usize, usize)> {
-    let (low, high) = options.sample.limits();
-    let (low, high, nodata) = (low as i64, high as i64, options.nodata as i64);
-    let mut samples = vec![bits(nodata); cols];
-    for (row, heights) in lines {
-        for (col, (out, &height)) in samples.iter_mut().zip(heights).enumerate() {
-            // f64 holds the sum exactly, so halves are told from what lies just below them.
-            let whole = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i64;
-            let known = !height.is_nan();
-            if known && (whole < low || whole > high || whole == nodata) {
-                return Err((row, col));
-            }
-            *out = bits(if known { whole } else { nodata });
+    /// Ends the file after the last row.
+    ///
+    /// # Errors
+    /// [`Error::Io`]; [`Error::Invalid`] when rows are missing.
+    pub fn finish(mut self, job: &Job) -> Result<W> {
+        if self.written < self.image.grid.rows {
+            return Err(Error::invalid("rows that the file needs are missing", "report it"));
         }
-        append(&samples, options, sample::differences, bytes);
-    }
-    Ok(())
-}
-
-/// Appends a row, by its predictor where bytes are packed.
-fn append<B: Bits>(
-    samples: &[B],
-    options: &Options,
-    predict: impl Fn(&[B], &mut Vec<u8>),
-    bytes: &mut Vec<u8>,
-) {
-    if options.compression == Compression::None {
-        samples.iter().for_each(|sample| sample.add_to(bytes));
-    } else {
-        predict(samples, bytes);
-    }
-}
-
-/// Why the height at (`row`, `col`) cannot be written.
-fn refusal(terrain: &Heightfield, options: &Options, row: usize, col: usize) -> Error {
-    let height = terrain.at(row, col);
-    if height.is_infinite() {
-        return Error::NonFinite { what: "terrain".into(), row, col };
-    }
-    let place = format!("height {height} m at row {row}, column {col}");
-    if f64::from(height).round() == options.stored_nodata() || f64::from(height) == options.stored_nodata() {
-        return Error::invalid(
-            format!("{place} equals the nodata value"),
-            "choose a `nodata` that no cell has",
+        if self.position % 2 == 1 {
+            self.put(&[0])?;
+        }
+        let mut directory = std::mem::replace(&mut self.directory, Directory::new(false));
+        let what = self.image.cells.described();
+        directory.describe(
+            &self.image.grid,
+            &what,
+            &self.image.storage,
+            self.image.chunk,
+            (&self.offsets, &self.counts),
+            job,
         );
+        let position = self.position;
+        self.put(&directory.bytes(position))?;
+        let failed = |reason: std::io::Error| Error::writing(&self.name, reason);
+        self.out.seek(SeekFrom::Start(0)).map_err(failed)?;
+        self.out.write_all(&directory.header(position)).map_err(failed)?;
+        self.out.seek(SeekFrom::End(0)).map_err(failed)?;
+        Ok(self.out)
     }
-    Error::invalid(
-        format!("{place} does not fit {}", options.sample.name()),
-        "write float32, or remap the heights first",
-    )
+
+    fn put(&mut self, bytes: &[u8]) -> Result<()> {
+        self.out.write_all(bytes).map_err(|reason| Error::writing(&self.name, reason))?;
+        self.position += bytes.len() as u64;
+        Ok(())
+    }
+}
+
+impl<C: Cells> Image<C> {
+    /// The packed bytes of the chunk at (`down`, `across`) of `lines`, the first of which is row `first`.
+    fn packed(&self, lines: &[&[C::Cell]], first: usize, (down, across): (usize, usize)) -> Result<Vec<u8>> {
+        let (rows, cols) = self.chunk;
+        let (row0, col0) = (down * rows, across * cols);
+        let width = cols.min(self.grid.cols - col0);
+        let lines = &lines[row0..(row0 + rows).min(lines.len())];
+        let whole = rows * cols * self.cells.size();
+        let mut bytes = Vec::with_capacity(whole);
+        let predict = self.storage.compression != Compression::None;
+        let parts = lines.iter().map(|line| &line[col0..][..width]);
+        self.cells.bytes(parts, cols, predict, &mut bytes).map_err(|(row, col)| {
+            let cell = lines[row][col0 + col];
+            self.cells.refusal(cell, first + row0 + row, col0 + col)
+        })?;
+        // Tiles are stored whole; below the last row they repeat nothing and cost almost nothing.
+        if self.storage.layout == Layout::Tiles {
+            bytes.resize(whole, 0);
+        }
+        Ok(self.storage.pack(bytes))
+    }
 }

@@ -1,0 +1,221 @@
+//! The cells of a file being written: what they are to its readers, and their bytes.
+
+use orograph_core::prelude::*;
+
+use super::{
+    sample::{self, Bits},
+    write::{Options, SampleType},
+};
+
+/// What the tags of a file say of its cells.
+pub struct Described {
+    /// Bits of each of a cell's samples.
+    pub(super) bits: Vec<u16>,
+    /// 1 for a grey scale from black, 2 for red, green and blue.
+    pub(super) photometric: u16,
+    /// 1 for unsigned, 2 for signed integers, 3 for floating point.
+    pub(super) format: u16,
+    /// 2 for differences, 3 for sorted bytes.
+    pub(super) predictor: u16,
+    /// The fourth sample is alpha, by which the others are not multiplied.
+    pub(super) alpha: bool,
+    /// What a cell without value holds.
+    pub(super) nodata: Option<f64>,
+}
+
+/// Cells of a kind, on their way into a file.
+pub trait Cells: Sync {
+    /// One cell.
+    type Cell: Copy + Send + Sync;
+    /// What errors call the raster.
+    const NAME: &'static str;
+    /// Bytes of a cell in the file.
+    fn size(&self) -> usize;
+    /// What the tags say.
+    fn described(&self) -> Described;
+    /// Appends rows of at most `cols` cells as rows of just so many, by their predictor where `predict` says so; the row
+    /// and column of a cell that cannot be written otherwise.
+    ///
+    /// # Errors
+    /// That cell's row and column.
+    fn bytes<'a>(
+        &self,
+        rows: impl Iterator<Item = &'a [Self::Cell]>,
+        cols: usize,
+        predict: bool,
+        bytes: &mut Vec<u8>,
+    ) -> Result<(), (usize, usize)>
+    where
+        Self::Cell: 'a;
+    /// Why the cell at (`row`, `col`) cannot be written.
+    fn refusal(&self, cell: Self::Cell, row: usize, col: usize) -> Error;
+}
+
+/// Heights, stored as the options say.
+pub struct Heights(pub(super) Options);
+
+impl Cells for Heights {
+    type Cell = f32;
+    const NAME: &'static str = "terrain";
+
+    fn size(&self) -> usize {
+        self.0.sample.size()
+    }
+
+    fn described(&self) -> Described {
+        let (format, predictor) = match self.0.sample {
+            SampleType::Uint16 => (1, 2),
+            SampleType::Int16 | SampleType::Int32 => (2, 2),
+            SampleType::Float32 | SampleType::Float64 => (3, 3),
+        };
+        let bits = vec![self.0.sample.size() as u16 * 8];
+        let nodata = Some(self.0.stored_nodata());
+        Described { bits, photometric: 1, format, predictor, alpha: false, nodata }
+    }
+
+    fn bytes<'a>(
+        &self,
+        rows: impl Iterator<Item = &'a [f32]>,
+        cols: usize,
+        predict: bool,
+        bytes: &mut Vec<u8>,
+    ) -> Result<(), (usize, usize)> {
+        let (rows, options) = (rows.enumerate(), Row { options: &self.0, cols, predict });
+        match self.0.sample {
+            SampleType::Float32 => floats(rows, &options, |height| height.to_bits(), bytes),
+            SampleType::Float64 => floats(rows, &options, |height| f64::from(height).to_bits(), bytes),
+            SampleType::Int16 | SampleType::Uint16 => integers(rows, &options, |whole| whole as u16, bytes),
+            SampleType::Int32 => integers(rows, &options, |whole| whole as u32, bytes),
+        }
+    }
+
+    fn refusal(&self, height: f32, row: usize, col: usize) -> Error {
+        let options = &self.0;
+        if height.is_infinite() {
+            return Error::NonFinite { what: Self::NAME.into(), row, col };
+        }
+        let place = format!("height {height} m at row {row}, column {col}");
+        if f64::from(height).round() == options.stored_nodata()
+            || f64::from(height) == options.stored_nodata()
+        {
+            return Error::invalid(
+                format!("{place} equals the nodata value"),
+                "choose a `nodata` that no cell has",
+            );
+        }
+        Error::invalid(
+            format!("{place} does not fit {}", options.sample.name()),
+            "write float32, or remap the heights first",
+        )
+    }
+}
+
+/// Colours, red, green and blue of 8 bits each, with alpha where that is wanted.
+pub struct Colours {
+    /// Whether alpha is stored.
+    pub alpha: bool,
+}
+
+impl Cells for Colours {
+    type Cell = [u8; 4];
+    const NAME: &'static str = "texture";
+
+    fn size(&self) -> usize {
+        if self.alpha { 4 } else { 3 }
+    }
+
+    fn described(&self) -> Described {
+        let bits = vec![8; self.size()];
+        Described { bits, photometric: 2, format: 1, predictor: 2, alpha: self.alpha, nodata: None }
+    }
+
+    fn bytes<'a>(
+        &self,
+        rows: impl Iterator<Item = &'a [[u8; 4]]>,
+        cols: usize,
+        predict: bool,
+        bytes: &mut Vec<u8>,
+    ) -> Result<(), (usize, usize)> {
+        let samples = self.size();
+        for row in rows {
+            let end = bytes.len() + cols * samples;
+            let mut before = [0; 4];
+            for &colour in row {
+                let stored = |sample: usize| match predict {
+                    true => colour[sample].wrapping_sub(before[sample]),
+                    false => colour[sample],
+                };
+                bytes.extend((0..samples).map(stored));
+                before = colour;
+            }
+            bytes.resize(end, 0);
+        }
+        Ok(())
+    }
+
+    fn refusal(&self, _: [u8; 4], row: usize, col: usize) -> Error {
+        Error::invalid(format!("the colour at row {row}, column {col} cannot be written"), "report it")
+    }
+}
+
+/// How a row is stored.
+struct Row<'a> {
+    options: &'a Options,
+    cols: usize,
+    predict: bool,
+}
+
+/// Appends rows of floating-point samples; the row and column of one that cannot be written otherwise.
+fn floats<'a, B: Bits>(
+    lines: impl Iterator<Item = (usize, &'a [f32])>,
+    to: &Row<'_>,
+    bits: impl Fn(f32) -> B,
+    bytes: &mut Vec<u8>,
+) -> Result<(), (usize, usize)> {
+    let nodata = to.options.nodata as f32;
+    let mut samples = vec![bits(nodata); to.cols];
+    for (row, heights) in lines {
+        for (col, (out, &height)) in samples.iter_mut().zip(heights).enumerate() {
+            if height == nodata || height.is_infinite() {
+                return Err((row, col));
+            }
+            *out = bits(if height.is_nan() { nodata } else { height });
+        }
+        append(&samples, to.predict, sample::sort_bytes, bytes);
+    }
+    Ok(())
+}
+
+/// Appends rows of whole samples; the row and column of one that cannot be written otherwise.
+fn integers<'a, B: Bits>(
+    lines: impl Iterator<Item = (usize, &'a [f32])>,
+    to: &Row<'_>,
+    bits: impl Fn(i64) -> B,
+    bytes: &mut Vec<u8>,
+) -> Result<(), (usize, usize)> {
+    let (low, high) = to.options.sample.limits();
+    let (low, high, nodata) = (low as i64, high as i64, to.options.nodata as i64);
+    let mut samples = vec![bits(nodata); to.cols];
+    for (row, heights) in lines {
+        for (col, (out, &height)) in samples.iter_mut().zip(heights).enumerate() {
+            // f64 holds the sum exactly, so halves are told from what lies just below them.
+            let whole = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i64;
+            let known = !height.is_nan();
+            if known && (whole < low || whole > high || whole == nodata) {
+                return Err((row, col));
+            }
+            *out = bits(if known { whole } else { nodata });
+        }
+        append(&samples, to.predict, sample::differences, bytes);
+    }
+    Ok(())
+}
+
+/// Appends a row, by its predictor where bytes are packed.
+fn append<B: Bits>(samples: &[B], packed: bool, predict: impl Fn(&[B], &mut Vec<u8>), bytes: &mut Vec<u8>) {
+    if packed {
+        predict(samples, bytes);
+    } else {
+        samples.iter().for_each(|sample| sample.add_to(bytes));
+    }
+}
