@@ -127,6 +127,9 @@ pub(crate) struct RunOptions {
     /// Tell how long every node took
     #[arg(long)]
     pub(crate) timings: bool,
+    /// Write what ran when to this file, which chrome://tracing and Perfetto show
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["each", "dry_run", "watch"])]
+    pub(crate) trace: Option<PathBuf>,
     /// Run again whenever the graph, a file that it reads or a plugin changes, until Ctrl-C
     #[arg(long, conflicts_with_all = ["each", "dry_run"])]
     pub(crate) watch: bool,

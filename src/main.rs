@@ -10,6 +10,7 @@ mod failure;
 mod manifest;
 mod progress;
 mod session;
+mod trace;
 
 use std::process::ExitCode;
 

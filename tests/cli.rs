@@ -257,7 +257,7 @@ fn threads_and_caches_change_no_byte() {
 fn too_little_memory_is_told_with_what_to_do() {
     let place = Place::with(CHAIN);
     let ended = place.run("run g.ron --memory 1KiB").code(1);
-    ended.tells(&["node `hills`", "64 × 64", "16384 bytes", "1024 allowed", "hint: ", "--memory"]);
+    ended.tells(&["node `flat`", "64 × 64", "16384 bytes", "1024 allowed", "hint: ", "--memory"]);
     place.run("run g.ron --set hills.cells=65536 --memory 64MiB").code(1).tells(&["65536 × 65536"]);
     assert!(place.files("out").is_empty());
 }

@@ -1,8 +1,11 @@
 //! `orograph run`: the outputs of a graph, as files, tables and a manifest.
 
+use std::sync::Arc;
+
 use orograph_core::Value;
 use orograph_engine::{
-    CancelToken, Compiled, Evaluator, Outcome, Registry, Report, Request, cache::Tier, eval::Planned,
+    CancelToken, Compiled, Evaluator, Observer, Outcome, Registry, Report, Request, cache::Tier,
+    eval::Planned,
 };
 use orograph_session::{Targets, memory, targets::history};
 
@@ -16,6 +19,7 @@ use crate::{
     failure::Failure,
     manifest::{manifest, value_text},
     progress, session,
+    trace::Trace,
 };
 
 pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
@@ -69,6 +73,8 @@ pub(super) fn once(
         return Ok(());
     }
     let (observer, bar) = progress::observer(options.evaluation.quiet);
+    let trace = options.trace.is_some().then(|| Arc::new(Trace::new(Arc::clone(&observer))));
+    let observer = trace.clone().map_or(observer, |trace| trace as Arc<dyn Observer>);
     let report = evaluator.run(request, observer, cancel);
     if let Some(bar) = bar {
         bar.finish_and_clear();
@@ -78,6 +84,9 @@ pub(super) fn once(
         console::note(&format!("warning: results are kept in memory alone from here on: {reason}"));
     }
     let results: Vec<_> = names.into_iter().zip(report.values.iter().cloned()).collect();
+    if let (Some(trace), Some(file)) = (trace, &options.trace) {
+        trace.save(file, &report)?;
+    }
     tell_report(&report, options);
     tell_results(&report, &results, options);
     if report.was_cancelled() {

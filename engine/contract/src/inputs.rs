@@ -106,6 +106,12 @@ pub fn samples() -> Vec<Value> {
         .into()
 }
 
+/// What a node of this spec takes, every port connected, over one terrain without voids of so many cells.
+#[must_use]
+pub fn inputs_of(spec: &NodeSpec, rows: usize, cols: usize) -> Vec<Slot> {
+    slots(spec, &terrain(rows, cols, Cover::Whole), true)
+}
+
 /// Everything connected, optional ports only when `all` is set.
 pub(crate) fn slots(spec: &NodeSpec, terrain: &Heightfield, all: bool) -> Vec<Slot> {
     let slot = |port: &orograph_core::PortSpec| match port.arity {

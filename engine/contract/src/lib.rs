@@ -12,7 +12,7 @@ mod spec;
 use orograph_core::{NodeType, ParamKind, ParamValue};
 
 /// A value of each type, over one small terrain with voids and a georeference.
-pub use inputs::samples;
+pub use inputs::{inputs_of, samples};
 
 pub use bands::band_by_band;
 pub use determinism::{any_number_of_threads, tile_by_tile, undeclared_context};

@@ -193,7 +193,7 @@ pub fn write(
     Ok(())
 }
 
-/// Begins a file of heights on `grid`, as [`write`] writes it; rows are given to [`Writer::take`].
+/// Begins a file of heights on `grid`, as [`write()`] writes it; rows are given to [`Writer::take`].
 ///
 /// # Errors
 /// [`Error::Invalid`] for options that do not go together, [`Error::EmptyInput`], [`Error::Io`].
@@ -262,7 +262,7 @@ impl<W: Write + Seek, C: Cells> Writer<W, C> {
     /// Takes the rows that follow those taken before.
     ///
     /// # Errors
-    /// As [`write`]; [`Error::Invalid`] for other than whole rows of the grid.
+    /// As [`write()`]; [`Error::Invalid`] for other than whole rows of the grid.
     pub fn take(&mut self, cells: &[C::Cell], job: &Job) -> Result<()> {
         let cols = self.image.grid.cols;
         let rest = std::mem::take(&mut self.rest);
