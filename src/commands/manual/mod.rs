@@ -15,8 +15,8 @@ use orograph_session::pictures;
 use crate::{arguments::ManualOptions, console, failure::Failure};
 use illustrate::Illustrated;
 
-/// How to write the manual, for messages.
-const MEND: &str = "write it again with `orograph manual`";
+/// Names of stale files that are told.
+const TOLD: usize = 8;
 
 pub(crate) fn run(options: &ManualOptions) -> Result<(), Failure> {
     let registry = orograph_session::built_in()?;
@@ -29,7 +29,7 @@ pub(crate) fn run(options: &ManualOptions) -> Result<(), Failure> {
         let file = options.out.join(name);
         if let Some(folder) = file.parent() {
             fs::create_dir_all(folder)
-                .map_err(|error| Failure::Other(format!("making {}: {error}", folder.display())))?;
+                .map_err(|error| Failure::Other(format!("writing {}: {error}", folder.display())))?;
         }
         write_whole(&options.out, &file, &[text.as_bytes()])
             .map_err(|error| Failure::Other(format!("writing {}: {error}", file.display())))?;
@@ -68,11 +68,14 @@ fn check(
         ));
         return Ok(());
     }
+    let more = stale.len().saturating_sub(TOLD);
+    stale.truncate(TOLD);
+    if more > 0 {
+        stale.push(format!("and {more} more"));
+    }
+    let (out, stale) = (folder.display(), stale.join(", "));
     Err(Failure::Other(format!(
-        "the manual in {} is stale ({}); {MEND} --out {}",
-        folder.display(),
-        stale.join(", "),
-        folder.display()
+        "the manual in {out} is stale ({stale}); write it again with `orograph manual --out {out}`"
     )))
 }
 
