@@ -270,7 +270,10 @@ pub(crate) struct ManualOptions {
     /// The folder that the pages are written into
     #[arg(long, default_value = "docs/manual", value_name = "DIR")]
     pub(crate) out: PathBuf,
-    /// Write nothing; fail unless the pages there are as they would be written
+    /// The folder of graphs that are run for pictures, each named after its node; without it there are none
+    #[arg(long, default_value = "graphs/nodes", value_name = "DIR")]
+    pub(crate) graphs: PathBuf,
+    /// Write nothing; fail unless pages and pictures there are as they would be written
     #[arg(long)]
     pub(crate) check: bool,
 }

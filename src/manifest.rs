@@ -2,6 +2,7 @@
 
 use orograph_core::{Cells, Table, Value};
 use orograph_engine::{Outcome, Report, eval::NodeReport};
+use orograph_session::tables::{cell_text, head_text};
 use serde_json::{Map, Value as Json, json};
 
 use crate::console;
@@ -115,10 +116,7 @@ pub(crate) fn value_text(value: &Value) -> Option<String> {
 
 /// One metric a line for a single row, otherwise one row a line.
 fn table_text(table: &Table) -> String {
-    let heads = table.columns().iter().map(|column| match column.unit.symbol() {
-        "1" | "seed" => column.name.clone(),
-        unit => format!("{} [{unit}]", column.name),
-    });
+    let heads = table.columns().iter().map(head_text);
     if table.rows() == 1 {
         let rows: Vec<_> = heads
             .zip(table.columns())
@@ -132,27 +130,4 @@ fn table_text(table: &Table) -> String {
             .map(|row| table.columns().iter().map(|column| cell_text(&column.cells, row)).collect()),
     );
     console::columns(&rows)
-}
-
-/// One cell, to six significant digits.
-pub(crate) fn cell_text(cells: &Cells, row: usize) -> String {
-    match cells {
-        Cells::Texts(cells) => cells.get(row).cloned().unwrap_or_default(),
-        Cells::Numbers(cells) => match cells.get(row) {
-            Some(x) if x.is_nan() => "-".into(),
-            Some(x) if *x == x.trunc() && x.abs() < 1e15 => format!("{x}"),
-            Some(x) => {
-                let scientific = format!("{x:e}");
-                let exponent = scientific.rsplit_once('e').and_then(|(_, exponent)| exponent.parse().ok());
-                let digits = (5 - exponent.unwrap_or(0_i32)).clamp(0, 12) as usize;
-                let text = format!("{x:.digits$}");
-                if text.contains('.') {
-                    text.trim_end_matches('0').trim_end_matches('.').to_owned()
-                } else {
-                    text
-                }
-            }
-            None => String::new(),
-        },
-    }
 }

@@ -407,10 +407,13 @@ fn the_cache_is_counted_shrunk_and_emptied() {
 fn the_manual_is_written_and_compared() {
     let place = Place::with(CHAIN);
     place.run("manual --out pages --check").code(1).tells(&["stale", "orograph manual --out pages"]);
-    place.ok("manual --out pages").gives(&["pages in pages"]);
+    place.ok("manual --out pages").gives(&["pages and 0 pictures in pages"]);
     place.ok("manual --out pages --check").gives(&["up to date"]);
     place.write("pages/io.md", "old");
-    place.run("manual --out pages --check").code(1).tells(&["io.md"]);
+    place.write("pages/io/read_dem.md", "old");
+    place.run("manual --out pages --check").code(1).tells(&["(io/read_dem.md, io.md)"]);
+    std::fs::create_dir(place.path("few")).unwrap();
+    place.run("manual --out pages --graphs few").code(2).tells(&["no graph in few shows adjust.clamp, "]);
     place.run("manual --out g.ron").code(1).tells(&["error: writing g.ron"]);
 }
 

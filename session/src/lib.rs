@@ -5,9 +5,13 @@
 //! the result.
 
 mod error;
+mod folder_host;
+pub mod headless;
 pub mod memory;
+pub mod pictures;
 pub mod plugins;
 pub mod settings;
+pub mod tables;
 pub mod targets;
 
 use std::path::Path;
@@ -15,6 +19,7 @@ use std::path::Path;
 use orograph_engine::{Cache, DiskTier, Evaluator, Registry, plugin::Found};
 
 pub use error::Error;
+pub use folder_host::FolderHost;
 pub use plugins::PluginOptions;
 pub use settings::Settings;
 pub use targets::Targets;

@@ -177,5 +177,68 @@ pub(crate) fn write(
     writer.finish().map_err(failed)
 }
 
+/// Writes a picture into as few bytes as its colours allow: grey, with a palette, or with the best filter of each row.
+pub(crate) fn write_small(out: &mut impl Write, texture: &Texture, name: &str, job: &Job) -> Result<()> {
+    let failed = |error: png::EncodingError| Error::writing(name, error);
+    let grid = texture.grid();
+    let (Ok(width), Ok(height)) = (u32::try_from(grid.cols), u32::try_from(grid.rows)) else {
+        return Err(Error::invalid("a PNG picture has at most 2147483647 pixels a side", "crop the terrain"));
+    };
+    job.admit(grid.len() as u64 * 4, || format!("the picture {name}"))?;
+    let cells = texture.cells();
+    let is_opaque = cells.iter().all(|colour| colour[3] == 255);
+    let is_grey = is_opaque && cells.iter().all(|colour| colour[0] == colour[1] && colour[0] == colour[2]);
+    let palette = if is_grey { None } else { palette(cells) };
+    let mut encoder = Encoder::new(out, width, height);
+    encoder.set_depth(BitDepth::Eight);
+    encoder.set_compression(Compression::High);
+    encoder.set_filter(Filter::Adaptive);
+    let mut samples: Vec<u8> = Vec::with_capacity(grid.len());
+    if is_grey {
+        encoder.set_color(ColorType::Grayscale);
+        samples.extend(cells.iter().map(|colour| colour[0]));
+    } else if let Some(palette) = palette {
+        encoder.set_color(ColorType::Indexed);
+        // Neighbouring numbers of a palette are no neighbouring colours.
+        encoder.set_filter(Filter::NoFilter);
+        encoder.set_palette(
+            palette.iter().flat_map(|colour| [colour[0], colour[1], colour[2]]).collect::<Vec<_>>(),
+        );
+        if !is_opaque {
+            encoder.set_trns(palette.iter().map(|colour| colour[3]).collect::<Vec<_>>());
+        }
+        samples.extend(cells.iter().map(|colour| palette.binary_search(colour).unwrap_or(0) as u8));
+    } else if is_opaque {
+        encoder.set_color(ColorType::Rgb);
+        samples.extend(cells.iter().flat_map(|colour| [colour[0], colour[1], colour[2]]));
+    } else {
+        encoder.set_color(ColorType::Rgba);
+        samples.extend_from_slice(cells.as_flattened());
+    }
+    job.check()?;
+    let mut writer = encoder.write_header().map_err(failed)?;
+    writer.write_image_data(&samples).map_err(failed)?;
+    writer.finish().map_err(failed)
+}
+
+/// The colours of a picture in order, if a palette can hold them.
+fn palette(cells: &[[u8; 4]]) -> Option<Vec<[u8; 4]>> {
+    let mut colours: Vec<[u8; 4]> = Vec::new();
+    let mut last = None;
+    for colour in cells {
+        if last == Some(colour) {
+            continue;
+        }
+        last = Some(colour);
+        if let Err(place) = colours.binary_search(colour) {
+            if colours.len() == 256 {
+                return None;
+            }
+            colours.insert(place, *colour);
+        }
+    }
+    Some(colours)
+}
+
 /// See the module's docs.
 const FILTER: Filter = Filter::Up;

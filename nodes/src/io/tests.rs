@@ -467,11 +467,22 @@ fn every_writer_writes_what_its_reader_reads() {
     write_mask::WriteMask::default().run(write_mask::WriteMaskIn { mask }, &job).unwrap();
     let back = read_mask::ReadMask { file: input("mask.png"), cell: 10.0 }.run((), &job).unwrap().mask;
     assert!(back.cells().iter().zip(mask.cells()).all(|(a, b)| (a - b).abs() < 1e-5));
-    for alpha in [255, 128] {
-        let texture = &terrain.map::<orograph_core::Rgba>(&job, |h| [h as u8, 7, 200, alpha]).unwrap();
-        write_texture::WriteTexture::default().run(write_texture::WriteTextureIn { texture }, &job).unwrap();
-        let node = read_texture::ReadTexture { file: input("texture.png"), cell: 10.0 };
-        assert_eq!(node.run((), &job).unwrap().texture.cells(), texture.cells());
+    let cols = terrain.grid().cols;
+    // Grey, few colours, more colours than a palette holds, each opaque and not.
+    let colours: [fn(usize, f32) -> [u8; 3]; 3] =
+        [|_, h| [h as u8; 3], |_, h| [h as u8, 7, 200], |i, h| [h as u8, i as u8, (i >> 8) as u8]];
+    for (alpha, colour) in [255, 128].into_iter().flat_map(|alpha| colours.map(|colour| (alpha, colour))) {
+        let cells = terrain.cells().iter().enumerate().map(|(i, &height)| {
+            let [red, green, blue] = colour(i, height);
+            [red, green, blue, if i < cols { 255 } else { alpha }]
+        });
+        let texture = &Texture::new(terrain.grid().clone(), cells.collect()).unwrap();
+        for packing in [write_texture::Packing::Fast, write_texture::Packing::Small] {
+            let node = write_texture::WriteTexture { packing, ..Default::default() };
+            node.run(write_texture::WriteTextureIn { texture }, &job).unwrap();
+            let node = read_texture::ReadTexture { file: input("texture.png"), cell: 10.0 };
+            assert_eq!(node.run((), &job).unwrap().texture.cells(), texture.cells(), "{packing:?}");
+        }
     }
     let table = &Table::metrics([("rmse", orograph_core::Unit::Metre, 1.5)]).unwrap();
     for name in ["t.json", "t.csv"] {

@@ -7,12 +7,25 @@ use super::{
     png::{self, Pixels},
 };
 
+/// How a picture is packed. Every pixel comes back as it was.
+#[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Packing {
+    /// At once.
+    Fast,
+    /// Into a smaller file, which takes longer: for the web, or to be kept. Grey pictures become grey, and pictures of
+    /// at most 256 colours a palette.
+    Small,
+}
+
 /// Writes a texture as a PNG picture, with alpha only where a pixel is not opaque.
 #[derive(Params, Clone, Debug)]
 pub struct WriteTexture {
     /// The file to write.
     #[param(default = "texture.png")]
     pub file: OutputPath,
+    /// How the picture is packed.
+    #[param(default = Packing::Fast)]
+    pub packing: Packing,
 }
 
 /// Inputs of [`WriteTexture`].
@@ -38,6 +51,9 @@ impl Node for WriteTexture {
     fn run(&self, inputs: WriteTextureIn<'_>, job: &Job) -> Result<()> {
         let texture = inputs.texture;
         file::refuse_empty(texture, "texture")?;
+        if self.packing == Packing::Small {
+            return file::save(&self.file, job, |out| png::write_small(out, texture, &self.file.0, job));
+        }
         let opaque = texture.cells().iter().all(|colour| colour[3] == 255);
         let pixels = if opaque { Pixels::Rgb } else { Pixels::Rgba };
         file::save(&self.file, job, |out| {

@@ -1,11 +1,8 @@
 //! What a sweep writes: a contact sheet for each output that is a picture, and the table as CSV and JSON.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use orograph_core::{
-    Context, Error, Host, Job, Node, OutputPath, OutputStream, Result, Table, Texture, Value,
-};
-use orograph_engine::eval::OutputFolder;
+use orograph_core::{Context, Job, Node, OutputPath, Result, Table, Texture, Value};
 use orograph_nodes::{
     io::{
         write_table::{WriteTable, WriteTableIn},
@@ -13,7 +10,7 @@ use orograph_nodes::{
     },
     look::contact_sheet::{ContactSheet, ContactSheetIn},
 };
-use orograph_session::memory::default_memory;
+use orograph_session::FolderHost;
 
 use super::Cell;
 
@@ -32,8 +29,8 @@ pub(crate) struct Sheets<'a> {
 impl Sheets<'_> {
     /// Writes `sweep.csv`, `sweep.json` and the sheets into the folder, and names them.
     pub(crate) fn write(&self, folder: &Path, thumbnail: u32, table: &Table) -> Result<Vec<String>> {
-        let host = FolderHost(OutputFolder::new(folder));
-        self.write_into(&host, thumbnail, table).map_err(|error| host.0.located(error))
+        let host = FolderHost::new(folder);
+        self.write_into(&host, thumbnail, table).map_err(|error| host.located(error))
     }
 
     fn write_into(&self, host: &FolderHost, thumbnail: u32, table: &Table) -> Result<Vec<String>> {
@@ -49,7 +46,7 @@ impl Sheets<'_> {
             if let Some(sheet) = self.sheet(output, n_outputs, thumbnail, &job)? {
                 let name = self.cells[0][output].name.replace(['/', '.'], "-");
                 let file = format!("sweep-{name}.png");
-                let writer = WriteTexture { file: OutputPath(file.clone()) };
+                let writer = WriteTexture { file: OutputPath(file.clone()), ..WriteTexture::default() };
                 writer.run(WriteTextureIn { texture: &sheet }, &job)?;
                 files.push(file);
             }
@@ -77,25 +74,5 @@ impl Sheets<'_> {
             ..ContactSheet::default()
         };
         Ok(Some(sheet.run(ContactSheetIn { pictures }, job)?.picture))
-    }
-}
-
-/// Lets writers write into a folder without a run.
-struct FolderHost(OutputFolder);
-
-impl Host for FolderHost {
-    fn cancelled(&self) -> bool {
-        false
-    }
-    fn progress(&self, _: f64) {}
-    fn warn(&self, _: &str) {}
-    fn memory_limit(&self) -> u64 {
-        default_memory()
-    }
-    fn input_path(&self, path: &str) -> Result<PathBuf> {
-        Err(Error::reading(path, "a sweep's sheet reads no files"))
-    }
-    fn create(&self, path: &str) -> Result<Box<dyn OutputStream>> {
-        self.0.create(path)
     }
 }
