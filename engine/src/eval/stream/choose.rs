@@ -207,13 +207,15 @@ impl Chooser<'_> {
 
     fn is_worth_it(&self, group: &[NodeId], outlooks: &[Outlook], asked: &[bool]) -> bool {
         const CELL_BYTES: u64 = 4;
+        // However much memory there is, a run should not fill it with what is cheap to make again.
+        const MOST: u64 = 1 << 30;
         let budget = self.cache.memory_budget();
         let cells = group.iter().map(|id| outlooks[id.index()].cells).max().unwrap_or(0);
         let spared = group.iter().filter(|id| !asked[id.index()]);
         let spared: usize = spared.map(|&id| self.node(id).spec().map_or(0, |spec| spec.outputs.len())).sum();
         let one = cells.saturating_mul(CELL_BYTES);
         // A node that runs has two or three values in hand; and what a run makes should not drive out the rest.
-        spared > 0 && (one > budget / 4 || one.saturating_mul(spared as u64) > budget / 2)
+        spared > 0 && (one > budget / 4 || one.saturating_mul(spared as u64) > MOST.min(budget / 2))
     }
 
     fn section(&self, group: &[NodeId], outlooks: &[Outlook]) -> Option<Section> {
