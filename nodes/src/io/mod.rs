@@ -19,6 +19,7 @@ pub mod read_points;
 pub mod read_raw;
 pub mod read_texture;
 pub mod read_tile;
+pub mod target;
 #[cfg(test)]
 mod tests;
 pub mod write_ascii;
