@@ -24,11 +24,12 @@ pub fn wire(value_type: Option<ValueType>) -> Color32 {
 
 /// Hues in degrees and saturations of the families that come with the program, as far from each other as so many
 /// can be: neighbours on the wheel are families that one seldom mistakes.
-const FAMILIES: [(&str, f32, f32); 14] = [
+const FAMILIES: [(&str, f32, f32); 15] = [
     ("mask", 40.0, 0.06),
     ("io", 28.0, 0.62),
     ("combine", 52.0, 0.6),
     ("adjust", 84.0, 0.5),
+    ("mesh", 106.0, 0.5),
     ("generate", 128.0, 0.52),
     ("measure", 160.0, 0.5),
     ("filter", 184.0, 0.55),

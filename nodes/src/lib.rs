@@ -15,6 +15,7 @@ pub mod look;
 pub mod mask;
 pub mod mcmd;
 pub mod measure;
+pub mod mesh;
 mod patch_size;
 pub mod repair;
 pub mod surface;
@@ -42,6 +43,7 @@ pub fn all() -> Vec<NodeType> {
         mask::nodes(),
         mcmd::nodes(),
         measure::nodes(),
+        mesh::nodes(),
         repair::nodes(),
         synthesis::nodes(),
         transform::nodes(),

@@ -11,6 +11,6 @@ pub struct Mesh {
     pub triangles: Vec<[u32; 3]>,
     /// Unit normals, one per vertex, or none.
     pub normals: Vec<[f32; 3]>,
-    /// Texture coordinates in 0..=1, one per vertex, or none.
+    /// Texture coordinates in 0..=1, one per vertex, or none: from west to east, and from south to north.
     pub uvs: Vec<[f32; 2]>,
 }

@@ -19,14 +19,18 @@ pub mod read_points;
 pub mod read_raw;
 pub mod read_texture;
 pub mod read_tile;
+mod solid;
+pub mod target;
 #[cfg(test)]
 mod tests;
 pub mod write_ascii;
 pub mod write_exr;
 pub mod write_geotiff;
 pub mod write_geotiff_texture;
+pub mod write_gltf;
 pub mod write_hgt;
 pub mod write_mask;
+pub mod write_obj;
 pub mod write_png;
 pub mod write_raw;
 pub mod write_table;
@@ -49,8 +53,10 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<write_exr::WriteExr>(),
         NodeType::of::<write_geotiff::WriteGeotiff>(),
         NodeType::of::<write_geotiff_texture::WriteGeotiffTexture>(),
+        NodeType::of::<write_gltf::WriteGltf>(),
         NodeType::of::<write_hgt::WriteHgt>(),
         NodeType::of::<write_mask::WriteMask>(),
+        NodeType::of::<write_obj::WriteObj>(),
         NodeType::of::<write_png::WritePng>(),
         NodeType::of::<write_raw::WriteRaw>(),
         NodeType::of::<write_table::WriteTable>(),

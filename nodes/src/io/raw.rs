@@ -143,41 +143,10 @@ pub fn write(terrain: &Heightfield, layout: &RawLayout, job: &Job) -> Result<Vec
     Ok(bytes)
 }
 
-/// Whether Unreal can make a landscape of that many vertices a side: one more than 1 to 32 components of one
-/// or four sections of 7, 15, 31, 63, 127 or 255 quads.
-#[must_use]
-pub fn is_unreal_side(side: usize) -> bool {
-    let quads = side.saturating_sub(1);
-    [7, 15, 31, 63, 127, 255]
-        .iter()
-        .flat_map(|section| [*section, section * 2])
-        .any(|component| quads > 0 && quads.is_multiple_of(component) && quads / component <= 32)
-}
-
-/// Whether Unity can make a terrain of that many samples a side: one more than a power of two, 33 to 4097.
-#[must_use]
-pub fn is_unity_side(side: usize) -> bool {
-    (33..=4097).contains(&side) && (side - 1).is_power_of_two()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::test_fields::field;
-
-    #[test]
-    fn the_engines_own_sizes_are_known() {
-        // Epic's list of recommended sizes, and Unity's manual.
-        for side in [8129, 4033, 2017, 1009, 505, 253, 127] {
-            assert!(is_unreal_side(side), "{side}");
-        }
-        for side in [33, 65, 129, 257, 513, 1025, 2049, 4097] {
-            assert!(is_unity_side(side), "{side}");
-        }
-        for side in [0, 1, 2, 4096, 1000, 8193] {
-            assert!(!is_unity_side(side) && !is_unreal_side(side), "{side}");
-        }
-    }
 
     #[test]
     fn heights_round_trip_in_every_format() {

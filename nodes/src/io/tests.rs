@@ -447,11 +447,11 @@ fn every_writer_writes_what_its_reader_reads() {
     write_exr::WriteExr::default().run(write_exr::WriteExrIn { terrain }, &job).unwrap();
     let node = read_exr::ReadExr { file: input("terrain.exr"), ..Default::default() };
     assert_eq!(node.run((), &job).unwrap().terrain.cells(), terrain.cells());
-    for target in [write_raw::RawTarget::Unity, write_raw::RawTarget::Any] {
+    for target in [target::Target::Unity, target::Target::Any] {
         let node = write_raw::WriteRaw { target, south_first: true, ..Default::default() };
         node.run(write_raw::WriteRawIn { terrain }, &job).unwrap();
     }
-    let node = write_raw::WriteRaw { target: write_raw::RawTarget::Unreal, ..Default::default() };
+    let node = write_raw::WriteRaw { target: target::Target::Unreal, ..Default::default() };
     assert!(node.run(write_raw::WriteRawIn { terrain }, &job).is_err());
     let node = read_raw::ReadRaw {
         file: input("terrain.r16"),

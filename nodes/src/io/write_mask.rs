@@ -5,6 +5,7 @@ use orograph_core::prelude::*;
 use super::{
     file,
     png::{self, Pixels},
+    target::Target,
     write_png::Depth,
 };
 
@@ -17,6 +18,9 @@ pub struct WriteMask {
     /// Bits of a grey level.
     #[param(default = Depth::Sixteen)]
     pub depth: Depth,
+    /// The program that the file is for; its size is checked. Unreal's weight maps have as many cells as the landscape.
+    #[param(default = Target::Any)]
+    pub target: Target,
 }
 
 /// Inputs of [`WriteMask`].
@@ -42,6 +46,7 @@ impl Node for WriteMask {
     fn run(&self, inputs: WriteMaskIn<'_>, job: &Job) -> Result<()> {
         let mask = inputs.mask;
         file::refuse_empty(mask, "mask")?;
+        self.target.check_size(mask.grid())?;
         let pixels = if self.depth == Depth::Sixteen { Pixels::Grey16 } else { Pixels::Grey8 };
         file::save(&self.file, job, |out| {
             png::write(out, mask.grid(), pixels, &self.file.0, job, |row, bytes| {

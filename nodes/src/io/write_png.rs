@@ -7,6 +7,7 @@ use orograph_core::prelude::*;
 use super::{
     file,
     png::{self, Pixels},
+    target::Target,
 };
 
 /// Bits of a grey level.
@@ -29,6 +30,9 @@ pub struct WritePng {
     /// Bits of a grey level.
     #[param(default = Depth::Sixteen)]
     pub depth: Depth,
+    /// The program that the file is for.
+    #[param(default = Target::Any)]
+    pub target: Target,
     /// Takes the range from the terrain and tells it; turn it off to set the range.
     #[param(default = true)]
     pub automatic: bool,
@@ -57,11 +61,16 @@ impl Node for WritePng {
 
     fn check(&self) -> Result<()> {
         file::check_extension(&self.file, &["png"])?;
+        if self.target != Target::Any && self.depth == Depth::Eight {
+            return Err(Error::invalid("landscapes take heights of 16 bits", "set `depth` to sixteen"));
+        }
         check_range(self.automatic, (self.lowest, self.highest))
     }
 
     fn run(&self, inputs: WritePngIn<'_>, job: &Job) -> Result<()> {
+        self.target.check_size(inputs.terrain.grid())?;
         let range = choose_range(inputs.terrain, self.automatic, (self.lowest, self.highest), job)?;
+        self.target.tell_scale(inputs.terrain.grid(), range, job);
         file::save(&self.file, job, |out| write(inputs.terrain, self.depth, range, out, &self.file.0, job))
     }
 }

@@ -4,20 +4,10 @@ use orograph_core::prelude::*;
 
 use super::{
     file,
-    raw::{self, RawFormat, RawLayout, is_unity_side, is_unreal_side},
+    raw::{self, RawFormat, RawLayout},
+    target::Target,
     write_png::{check_range, choose_range},
 };
-
-/// The program that the file is for.
-#[derive(Choice, Clone, Copy, Debug, PartialEq, Eq)]
-pub enum RawTarget {
-    /// Any: no size is refused.
-    Any,
-    /// Unreal landscapes: the size is checked and the scale told.
-    Unreal,
-    /// Unity terrains: the size is checked and the scale told.
-    Unity,
-}
 
 /// Writes headerless heights: `.r16`, `.r32`, `.raw`.
 ///
@@ -32,8 +22,8 @@ pub struct WriteRaw {
     #[param(default = RawFormat::R16Little)]
     pub format: RawFormat,
     /// The program that the file is for.
-    #[param(default = RawTarget::Any)]
-    pub target: RawTarget,
+    #[param(default = Target::Any)]
+    pub target: Target,
     /// Takes the range from the terrain and tells it; turn it off to set the range.
     #[param(default = true)]
     pub automatic: bool,
@@ -66,6 +56,12 @@ impl Node for WriteRaw {
     fn check(&self) -> Result<()> {
         file::check_extension(&self.file, &["r16", "r32", "raw"])?;
         if self.format == RawFormat::R32 {
+            if self.target != Target::Any {
+                return Err(Error::invalid(
+                    "landscapes take heights of 16 bits",
+                    "set `format` to r16_little",
+                ));
+            }
             return Ok(());
         }
         check_range(self.automatic, (self.lowest, self.highest))
@@ -74,7 +70,7 @@ impl Node for WriteRaw {
     fn run(&self, inputs: WriteRawIn<'_>, job: &Job) -> Result<()> {
         let terrain = inputs.terrain;
         file::refuse_empty(terrain, "terrain")?;
-        self.check_size(terrain.grid())?;
+        self.target.check_size(terrain.grid())?;
         let range = if self.format == RawFormat::R32 {
             file::refuse_infinite(terrain, "terrain")?;
             (0.0, 1.0)
@@ -92,50 +88,12 @@ impl Node for WriteRaw {
 }
 
 impl WriteRaw {
-    fn check_size(&self, grid: &Grid) -> Result<()> {
-        let (rows, cols) = grid.size();
-        let (fits, whose, sizes) = match self.target {
-            RawTarget::Any => return Ok(()),
-            RawTarget::Unreal => (
-                is_unreal_side(rows) && is_unreal_side(cols),
-                "an Unreal landscape",
-                "505, 1009, 2017, 4033 or 8129",
-            ),
-            RawTarget::Unity => (
-                rows == cols && is_unity_side(rows),
-                "a Unity terrain",
-                "513, 1025, 2049 or 4097 in both directions",
-            ),
-        };
-        if fits {
-            return Ok(());
+    /// Tells what the file does not say of itself.
+    fn tell_scale(&self, grid: &Grid, range: (f64, f64), job: &Job) {
+        if self.target == Target::Any {
+            let (rows, cols, cell) = (grid.rows, grid.cols, grid.cell);
+            job.warn(format!("{cols} columns, {rows} rows, cells of {} × {} m", cell.x, cell.y));
         }
-        Err(Error::invalid(
-            format!("{rows} × {cols} is no size of {whose}"),
-            format!("resize the terrain to {sizes} cells a side"),
-        ))
-    }
-
-    /// Tells what the engine's import dialogue asks for.
-    fn tell_scale(&self, grid: &Grid, (lowest, highest): (f64, f64), job: &Job) {
-        let (rows, cols, cell) = (grid.rows, grid.cols, grid.cell);
-        match self.target {
-            RawTarget::Any => {
-                job.warn(format!("{cols} columns, {rows} rows, cells of {} × {} m", cell.x, cell.y))
-            }
-            RawTarget::Unreal => {
-                // A landscape of scale 100 spans 512 m, 256 m on either side of its actor; sides are in cm.
-                let (x, y, z) = (cell.x * 100.0, cell.y * 100.0, (highest - lowest) * 100.0 / 512.0);
-                let middle = f64::midpoint(lowest, highest) * 100.0;
-                job.warn(format!("Unreal: set the landscape's scale to {x}, {y}, {z} and its z to {middle}"));
-            }
-            RawTarget::Unity => {
-                let (x, y) = (cell.x * (cols - 1) as f64, cell.y * (rows - 1) as f64);
-                job.warn(format!(
-                    "Unity: resolution {cols}, width {x}, length {y}, height {}",
-                    highest - lowest
-                ));
-            }
-        }
+        self.target.tell_scale(grid, range, job);
     }
 }

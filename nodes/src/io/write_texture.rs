@@ -1,5 +1,7 @@
 //! Write texture: colours as a picture.
 
+use std::io::Write;
+
 use orograph_core::prelude::*;
 
 use super::{
@@ -54,19 +56,23 @@ impl Node for WriteTexture {
         if self.packing == Packing::Small {
             return file::save(&self.file, job, |out| png::write_small(out, texture, &self.file.0, job));
         }
-        let opaque = texture.cells().iter().all(|colour| colour[3] == 255);
-        let pixels = if opaque { Pixels::Rgb } else { Pixels::Rgba };
-        file::save(&self.file, job, |out| {
-            png::write(out, texture.grid(), pixels, &self.file.0, job, |row, bytes| {
-                if opaque {
-                    bytes.extend(
-                        texture.row(row).iter().flat_map(|&[red, green, blue, _]| [red, green, blue]),
-                    );
-                } else {
-                    bytes.extend_from_slice(texture.row(row).as_flattened());
-                }
-                Ok(())
-            })
-        })
+        file::save(&self.file, job, |out| write(texture, out, &self.file.0, job))
     }
+}
+
+/// Writes a texture, without alpha where every pixel is opaque. Colours are not multiplied with alpha.
+///
+/// # Errors
+/// [`Error::TooLarge`]; [`Error::Io`] from the stream, with `name`; [`Error::Cancelled`].
+pub(crate) fn write(texture: &Texture, out: &mut impl Write, name: &str, job: &Job) -> Result<()> {
+    let opaque = texture.cells().iter().all(|colour| colour[3] == 255);
+    let pixels = if opaque { Pixels::Rgb } else { Pixels::Rgba };
+    png::write(out, texture.grid(), pixels, name, job, |row, bytes| {
+        if opaque {
+            bytes.extend(texture.row(row).iter().flat_map(|&[red, green, blue, _]| [red, green, blue]));
+        } else {
+            bytes.extend_from_slice(texture.row(row).as_flattened());
+        }
+        Ok(())
+    })
 }

@@ -14,6 +14,7 @@ pub mod histogram;
 pub mod legend;
 pub mod mark_known;
 pub mod mask_overlay;
+pub mod mesh;
 pub mod perspective;
 pub mod placement;
 pub mod plot;
@@ -36,6 +37,7 @@ pub(crate) fn nodes() -> Vec<NodeType> {
         NodeType::of::<histogram::Histogram>(),
         NodeType::of::<mark_known::MarkKnown>(),
         NodeType::of::<mask_overlay::MaskOverlay>(),
+        NodeType::of::<mesh::Mesh>(),
         NodeType::of::<perspective::Perspective>(),
         NodeType::of::<placement::Placement>(),
         NodeType::of::<plot::Plot>(),
@@ -63,6 +65,7 @@ mod tests {
             ValueType::Table => Value::Table(Table::metrics([("a", Unit::Metre, 1.0)]).unwrap().into()),
             ValueType::Placement => Value::Placement(unplaced(terrain.grid()).into()),
             ValueType::Features => Value::Features(no_lines(terrain.grid()).into()),
+            ValueType::Mesh => Value::Mesh(orograph_core::Mesh::default().into()),
             other => panic!("no sample of {other}"),
         };
         let slot = |port: &orograph_core::PortSpec| match port.arity {
