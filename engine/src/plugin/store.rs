@@ -18,6 +18,9 @@ use crate::{
     whole::{save_whole, write_whole},
 };
 
+/// A library of more bytes than this is a mistake.
+const MOST_BYTES: u64 = 1 << 30;
+
 /// A folder of copies and scans. It may go at any time: everything in it is made again.
 pub(super) struct Store {
     root: PathBuf,
@@ -55,6 +58,9 @@ impl Store {
             if self.known_digest(&copy) == Some(digest) {
                 return Ok((digest, copy));
             }
+        }
+        if fs::metadata(path)?.len() > MOST_BYTES {
+            return Err(io::Error::other(format!("it has more than {MOST_BYTES} bytes")));
         }
         let bytes = fs::read(path)?;
         let digest = Digest::of_large(&bytes);
