@@ -150,6 +150,28 @@ fn nesting_ends_in_an_error_and_not_off_the_stack() {
 }
 
 #[test]
+fn long_names_are_compared_with_nothing() {
+    // Each was minutes of comparing, in a table of gigabytes.
+    let long = "f".repeat(3_000_000);
+    let begun = Instant::now();
+    for text in [
+        format!(r#"(format: 1, nodes: {{"a": (node: "generate.{long}", version: 1)}})"#),
+        format!(r#"(format: 1, nodes: {{"a": (node: "generate.fbm", version: 1, params: ({long}: 1))}})"#),
+        format!(r#"(format: 1, nodes: {{"a": (node: "generate.fbm", {long}: 1)}})"#),
+        format!(r#"(format: 1, {long}: 1, nodes: {{}})"#),
+        format!(r#"(format: 1, inputs: {{"a": (type: {long})}}, nodes: {{}})"#),
+        format!(r#"(format: 1, outputs: {{"a": "{long}.terrain"}}, nodes: {{}})"#),
+        format!(
+            r#"(format: 1, nodes: {{"{long}": (node: "generate.fbm", inputs: {{"{long}": "b.{long}"}})}})"#
+        ),
+    ] {
+        let place = Place::with(&text);
+        place.run("run g.ron a.terrain").tells(&["error: "]);
+    }
+    assert!(begun.elapsed().as_secs() < 60, "{:?}", begun.elapsed());
+}
+
+#[test]
 fn a_graph_of_graphs_ends() {
     // Each graph uses the next one ten times: a thousand million nodes, were it laid flat.
     let place = Place::with("");
