@@ -1,7 +1,6 @@
 //! What the commands share: loading a graph with its settings, and what the options say to `orograph-session`.
 
 use std::{
-    fs,
     path::{Path, PathBuf},
     time::Duration,
 };
@@ -12,7 +11,7 @@ use orograph_engine::{
     CancelToken, CompileOptions, Compiled, Document, Evaluator, Registry, compile, document::read_file,
     plugin::Limits,
 };
-use orograph_session::{Settings, plugins};
+use orograph_session::{Settings, plugins, vars};
 
 use crate::{
     arguments::{EvaluationOptions, GraphSettings, PluginOptions},
@@ -79,7 +78,7 @@ fn compile_noting(
     registry: &Registry,
     note: &dyn Fn(&Path),
 ) -> Result<Compiled, Failure> {
-    let mut overrides = vars(settings.vars.as_deref())?;
+    let mut overrides = settings.vars.as_deref().map_or_else(|| Ok(Vec::new()), vars::load)?;
     for text in &settings.set {
         let Some((name, value)) = text.split_once('=') else {
             return Err(Failure::usage(format!("`--set {text}` has no `=`"), "write --set node.param=value"));
@@ -102,17 +101,6 @@ fn compile_noting(
 
 fn folder_of(file: &Path) -> PathBuf {
     file.parent().map_or_else(PathBuf::new, Path::to_owned)
-}
-
-fn vars(file: Option<&Path>) -> Result<Vec<(String, String)>, Failure> {
-    let Some(file) = file else { return Ok(Vec::new()) };
-    let text = fs::read_to_string(file)
-        .map_err(|error| Failure::usage(format!("reading {}: {error}", file.display()), "check the path"))?;
-    let values: IndexMap<String, Box<ron::value::RawValue>> = ron::from_str(&text).map_err(|error| {
-        // The error begins with its line and column.
-        Failure::usage(format!("{}:{error}", file.display()), "write a map such as {\"keep\": 0.05}")
-    })?;
-    Ok(values.into_iter().map(|(name, value)| (name, value.get_ron().trim().to_owned())).collect())
 }
 
 /// An evaluator as the options and the settings describe it.

@@ -10,6 +10,8 @@ pub mod graph;
 pub mod manual;
 pub mod plugin;
 pub mod registry;
+#[doc(hidden)]
+pub mod untrusted;
 mod whole;
 
 pub use cache::{Cache, DiskTier};

@@ -59,8 +59,12 @@ fn begin_ordinary(folder: &Path) -> io::Result<NamedTempFile> {
 
 /// What the system said, without the temporary name that `tempfile` adds.
 pub(crate) fn plain(error: io::Error) -> io::Error {
-    match error.raw_os_error() {
-        Some(code) => io::Error::from_raw_os_error(code),
+    if let Some(code) = error.raw_os_error() {
+        return io::Error::from_raw_os_error(code);
+    }
+    // It keeps the system's error to itself; the words of that stand before the name.
+    match error.to_string().split_once(" at path ") {
+        Some((words, _)) => io::Error::new(error.kind(), words),
         None => io::Error::from(error.kind()),
     }
 }
@@ -77,7 +81,9 @@ mod tests {
         assert_eq!(fs::read(&path).unwrap(), b"one two");
         save_whole(&path, b"three").unwrap();
         assert_eq!(fs::read(&path).unwrap(), b"three");
-        assert!(write_whole(&folder.path().join("none"), &path, &[b"four"]).is_err());
+        let error = write_whole(&folder.path().join("none"), &path, &[b"four"]).unwrap_err();
+        let gone = fs::read(folder.path().join("none/file")).unwrap_err();
+        assert_eq!(error.to_string(), gone.to_string(), "the system's words and nothing else");
         assert!(save_whole(&folder.path().join("a"), b"in the way").is_err());
         assert_eq!(fs::read(&path).unwrap(), b"three");
         let left = |folder: &Path| fs::read_dir(folder).unwrap().count();

@@ -13,6 +13,7 @@ pub mod plugins;
 pub mod settings;
 pub mod tables;
 pub mod targets;
+pub mod vars;
 
 use std::path::Path;
 

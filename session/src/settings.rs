@@ -86,7 +86,15 @@ impl Settings {
                 return Err(Error::refused(message, "make the settings readable, or move them away"));
             }
         };
-        let mut settings: Self = language().from_str(&text).map_err(|error| {
+        Self::parse(&text, file)
+    }
+
+    /// As [`load_from`](Self::load_from), from the text of the file.
+    ///
+    /// # Errors
+    /// As [`load`](Self::load).
+    pub fn parse(text: &str, file: &Path) -> Result<Self, Error> {
+        let mut settings: Self = language().from_str(text).map_err(|error| {
             // The error begins with its line and column.
             let message = format!("{}:{error}", file.display());
             Error::refused(

@@ -4,15 +4,17 @@
 //! into it, and is checked when it is read, so a torn, swapped or foreign file counts as absent. Nothing here
 //! is an error to the run: a write that fails turns writing off, with the reason kept for one warning.
 
+mod upkeep;
+
 use std::{
     fs, io,
     path::{Path, PathBuf},
     sync::{Mutex, PoisonError},
-    time::{Duration, SystemTime},
 };
 
 use orograph_core::{Digest, Encoded, Value};
 use serde::{Serialize, de::DeserializeOwned};
+pub use upkeep::DiskStat;
 
 use super::Record;
 use crate::whole::write_whole;
@@ -21,34 +23,13 @@ use crate::whole::write_whole;
 const LAYOUT: &str = "v1";
 const RECORD_MAGIC: &[u8; 8] = b"OROREC01";
 const VALUE_MAGIC: &[u8; 8] = b"OROVAL01";
-/// Temporary files older than this were left by a process that died.
-const STALE: Duration = Duration::from_secs(3600);
+/// How often a write is tried while other processes clear the folder under it.
+const TRIES: u32 = 16;
 
 /// A cache folder.
 pub struct DiskTier {
     root: PathBuf,
     failure: Mutex<Option<String>>,
-}
-
-/// What lies in a cache folder.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
-pub struct DiskStat {
-    /// Number of values.
-    pub values: u64,
-    /// Bytes of all values.
-    pub value_bytes: u64,
-    /// Number of records.
-    pub records: u64,
-    /// Bytes of everything else.
-    pub other_bytes: u64,
-}
-
-impl DiskStat {
-    /// Bytes of everything.
-    #[must_use]
-    pub fn bytes(&self) -> u64 {
-        self.value_bytes + self.other_bytes
-    }
 }
 
 /// The parts of a cache folder.
@@ -88,18 +69,23 @@ impl DiskTier {
     /// When the folder cannot be made.
     pub fn open(root: &Path) -> io::Result<Self> {
         let tier = Self { root: root.to_owned(), failure: Mutex::new(None) };
-        for shelf in Shelf::ALL {
-            fs::create_dir_all(tier.root.join(LAYOUT).join(shelf.name()))?;
-        }
-        fs::create_dir_all(tier.temporary())?;
+        tier.make_shelves()?;
         let tag = tier.root.join("CACHEDIR.TAG");
         if !tag.exists() {
             // The signature that backup programs look for: whole, or they would not know it.
             const TEXT: &[u8] =
                 b"Signature: 8a477f597d28d172789f06886806bc55\n# Orograph's cache: safe to delete.\n";
-            write_whole(&tier.temporary(), &tag, &[TEXT])?;
+            tier.put(&tag, &[TEXT])?;
         }
         Ok(tier)
+    }
+
+    fn make_shelves(&self) -> io::Result<()> {
+        let shelves = Shelf::ALL.map(|shelf| self.root.join(LAYOUT).join(shelf.name()));
+        again(|| {
+            shelves.iter().try_for_each(fs::create_dir_all)?;
+            fs::create_dir_all(self.temporary())
+        })
     }
 
     /// The folder.
@@ -123,8 +109,7 @@ impl DiskTier {
 
     pub(crate) fn value(&self, digest: &Digest) -> Option<Value> {
         let bytes = fs::read(self.path(Shelf::Values, digest)).ok()?;
-        let value = bytes.strip_prefix(VALUE_MAGIC).filter(|bytes| Digest::of_large(bytes) == *digest);
-        let value = value.and_then(|bytes| Value::decode(bytes).ok());
+        let value = value_in(&bytes, digest);
         if value.is_none() {
             self.discard(Shelf::Values, digest);
         }
@@ -173,13 +158,9 @@ impl DiskTier {
         self.root.join(LAYOUT).join("tmp")
     }
 
-    /// A small item carries its own name and a checksum: magic, name, content, digest of all that.
     fn read_small<T: DeserializeOwned>(&self, shelf: Shelf, name: &Digest) -> Option<T> {
         let bytes = fs::read(self.path(shelf, name)).ok()?;
-        let item = bytes.split_last_chunk::<32>().and_then(|(body, checksum)| {
-            let content = body.strip_prefix(RECORD_MAGIC)?.strip_prefix(&name.0)?;
-            (Digest::of(body).0 == *checksum).then(|| postcard::from_bytes(content).ok())?
-        });
+        let item = item_in(&bytes, name);
         if item.is_none() {
             self.discard(shelf, name);
         }
@@ -187,9 +168,9 @@ impl DiskTier {
     }
 
     fn write_small(&self, shelf: Shelf, name: &Digest, item: &impl Serialize) {
-        let Ok(content) = postcard::to_stdvec(item) else { return };
-        let body = [RECORD_MAGIC.as_slice(), &name.0, &content].concat();
-        self.write(&self.path(shelf, name), &[&body, &Digest::of(&body).0]);
+        if let Some(bytes) = item_bytes(name, item) {
+            self.write(&self.path(shelf, name), &[&bytes]);
+        }
     }
 
     /// Takes away an item that proved bad, so that it is written anew.
@@ -202,7 +183,7 @@ impl DiskTier {
         if !self.writable() {
             return false;
         }
-        match write_whole(&self.temporary(), path, parts) {
+        match self.put(path, parts) {
             Ok(()) => true,
             Err(error) => {
                 let mut failure = self.failure.lock().unwrap_or_else(PoisonError::into_inner);
@@ -212,89 +193,53 @@ impl DiskTier {
         }
     }
 
-    /// Counts what lies in the folder.
-    ///
-    /// # Errors
-    /// When the folder cannot be read.
-    pub fn stat(&self) -> io::Result<DiskStat> {
-        let mut stat = DiskStat::default();
-        for shelf in Shelf::ALL {
-            for item in self.items(shelf)? {
-                match shelf {
-                    Shelf::Values => {
-                        stat.values += 1;
-                        stat.value_bytes += item.bytes;
-                    }
-                    _ => stat.other_bytes += item.bytes,
-                }
-                stat.records += u64::from(matches!(shelf, Shelf::Records));
+    fn put(&self, path: &Path, parts: &[&[u8]]) -> io::Result<()> {
+        again(|| {
+            let outcome = write_whole(&self.temporary(), path, parts);
+            if outcome.as_ref().is_err_and(is_of_clearing) {
+                // If that cannot be done, the next try will tell why.
+                let _ = self.make_shelves();
             }
-        }
-        Ok(stat)
-    }
-
-    /// Removes the items unused for longest until at most `max_bytes` are left, and what dead processes left.
-    /// Runs that go on meanwhile recompute what they miss.
-    ///
-    /// # Errors
-    /// When the folder cannot be read.
-    pub fn collect(&self, max_bytes: u64) -> io::Result<DiskStat> {
-        let mut items = Vec::new();
-        for shelf in Shelf::ALL {
-            items.extend(self.items(shelf)?);
-        }
-        let mut left: u64 = items.iter().map(|item| item.bytes).sum();
-        items.sort_by(|a, b| (a.used, &a.path).cmp(&(b.used, &b.path)));
-        for item in items {
-            if left <= max_bytes {
-                break;
-            }
-            if fs::remove_file(&item.path).is_ok() {
-                left -= item.bytes;
-            }
-        }
-        for entry in fs::read_dir(self.temporary())?.flatten() {
-            let age = entry
-                .metadata()
-                .and_then(|meta| meta.modified())
-                .map(|time| time.elapsed().unwrap_or_default());
-            if age.is_ok_and(|age| age > STALE) {
-                let _ = fs::remove_file(entry.path());
-            }
-        }
-        self.stat()
-    }
-
-    /// Removes everything.
-    ///
-    /// # Errors
-    /// When something cannot be removed.
-    pub fn clear(&self) -> io::Result<()> {
-        let folder = self.root.join(LAYOUT);
-        if folder.exists() {
-            fs::remove_dir_all(&folder)?;
-        }
-        Self::open(&self.root).map(|_| ())
-    }
-
-    fn items(&self, shelf: Shelf) -> io::Result<Vec<Item>> {
-        let mut items = Vec::new();
-        for bucket in fs::read_dir(self.root.join(LAYOUT).join(shelf.name()))?.flatten() {
-            // A bucket or an item may vanish while another process collects.
-            let Ok(entries) = fs::read_dir(bucket.path()) else { continue };
-            for entry in entries.flatten() {
-                let Ok(meta) = entry.metadata() else { continue };
-                let used = meta.accessed().or_else(|_| meta.modified()).unwrap_or(SystemTime::UNIX_EPOCH);
-                let used = used.max(meta.modified().unwrap_or(SystemTime::UNIX_EPOCH));
-                items.push(Item { path: entry.path(), bytes: meta.len(), used });
-            }
-        }
-        Ok(items)
+            outcome
+        })
     }
 }
 
-struct Item {
-    path: PathBuf,
-    bytes: u64,
-    used: SystemTime,
+/// Whether the error can come of another process that clears the folder: a part of it went, or went just after it had
+/// been found to be there.
+fn is_of_clearing(error: &io::Error) -> bool {
+    matches!(error.kind(), io::ErrorKind::NotFound | io::ErrorKind::AlreadyExists)
+}
+
+/// Does it again where another process clears the folder meanwhile.
+fn again(mut attempt: impl FnMut() -> io::Result<()>) -> io::Result<()> {
+    for _ in 1..TRIES {
+        match attempt() {
+            Err(error) if is_of_clearing(&error) => {}
+            outcome => return outcome,
+        }
+    }
+    attempt()
+}
+
+/// The value in a file of values; `None` unless it is whole and that value.
+pub(crate) fn value_in(bytes: &[u8], digest: &Digest) -> Option<Value> {
+    let value = bytes.strip_prefix(VALUE_MAGIC).filter(|bytes| Digest::of_large(bytes) == *digest);
+    Value::decode(value?).ok()
+}
+
+/// A small item in its file, which carries the item's own name and a checksum: magic, name, content, digest of all that.
+/// `None` unless it is whole and of that name.
+pub(crate) fn item_in<T: DeserializeOwned>(bytes: &[u8], name: &Digest) -> Option<T> {
+    let (body, checksum) = bytes.split_last_chunk::<32>()?;
+    let content = body.strip_prefix(RECORD_MAGIC)?.strip_prefix(&name.0)?;
+    (Digest::of(body).0 == *checksum).then(|| postcard::from_bytes(content).ok())?
+}
+
+/// The file of a small item.
+pub(crate) fn item_bytes(name: &Digest, item: &impl Serialize) -> Option<Vec<u8>> {
+    let content = postcard::to_stdvec(item).ok()?;
+    let mut bytes = [RECORD_MAGIC.as_slice(), &name.0, &content].concat();
+    bytes.extend(Digest::of(&bytes).0);
+    Some(bytes)
 }

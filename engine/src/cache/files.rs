@@ -64,6 +64,10 @@ fn identity(path: &Path) -> io::Result<(Digest, Duration)> {
     if meta.is_dir() {
         return Err(io::Error::new(io::ErrorKind::IsADirectory, "this is a folder, not a file"));
     }
+    if !meta.is_file() {
+        // Reading it might never end, or never begin.
+        return Err(io::Error::new(io::ErrorKind::InvalidInput, "this is a device or a pipe, not a file"));
+    }
     let age = meta.modified()?.elapsed().unwrap_or_default();
     let modified = meta.modified()?.duration_since(UNIX_EPOCH).unwrap_or_default();
     let path = fs::canonicalize(path)?;

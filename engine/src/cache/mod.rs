@@ -14,8 +14,8 @@ use std::{
 use orograph_core::{Digest, Value};
 use serde::{Serialize, de::DeserializeOwned};
 
-pub(crate) use disk::plugin_shelf;
 pub use disk::{DiskStat, DiskTier};
+pub(crate) use disk::{item_bytes, item_in, plugin_shelf, value_in};
 pub(crate) use files::FileDigests;
 use memory::MemoryTier;
 pub use record::{Record, StoredOutput, WrittenFile};

@@ -2,6 +2,9 @@
 //!
 //! A file grows under a temporary name, on which its writer holds a lock for as long as it lives, and gets its own
 //! name when it is whole. What a killed run leaves has no lock; the next run that writes there takes it away.
+//!
+//! A link among the folders of a name may lead about inside the output folder, and not out of it. A link that stands at
+//! the name itself is replaced, wherever it leads.
 
 use std::{
     collections::BTreeSet,
@@ -48,7 +51,10 @@ impl OutputFolder {
             let path = self.root.join(&file.name);
             let same_length =
                 fs::symlink_metadata(&path).is_ok_and(|meta| meta.is_file() && meta.len() == file.bytes);
-            same_length && digest_of_file(&path).is_ok_and(|digest| digest == file.digest)
+            same_length
+                && is_plain(&file.name)
+                && path.parent().is_some_and(|parent| self.keeps(parent).unwrap_or(false))
+                && digest_of_file(&path).is_ok_and(|digest| digest == file.digest)
         };
         !files.is_empty() && files.iter().all(in_place)
     }
@@ -70,25 +76,54 @@ impl OutputFolder {
         let name = PathBuf::from(name);
         let path = self.root.join(&name);
         let fail = |error: io::Error| Error::writing(path.display(), error);
-        if !name.components().all(|part| matches!(part, Component::Normal(_))) {
+        let (Some(file_name), true) = (name.file_name(), is_plain(&name)) else {
             return Err(Error::writing(path.display(), "the name leads out of the output folder"));
-        }
+        };
         let parent = path.parent().unwrap_or(&self.root).to_owned();
-        fs::create_dir_all(&parent).map_err(|error| {
-            Error::writing(path.display(), format!("its folder {} cannot be made: {error}", parent.display()))
-        })?;
-        let (real_root, real_parent) =
-            (fs::canonicalize(&self.root).map_err(fail)?, fs::canonicalize(&parent).map_err(fail)?);
-        if !real_parent.starts_with(&real_root) {
-            return Err(Error::writing(path.display(), "a link leads out of the output folder"));
+        let make = |folder: &Path| {
+            fs::create_dir_all(folder).map_err(|error| {
+                let reason = format!("its folder {} cannot be made: {error}", parent.display());
+                Error::writing(path.display(), reason)
+            })
+        };
+        let leads_out = || Err(Error::writing(path.display(), "a link leads out of the output folder"));
+        make(&self.root)?;
+        // Looked at before folders are made, which a link would put elsewhere.
+        if !self.keeps(&parent).map_err(fail)? {
+            return leads_out();
         }
-        if path.is_dir() {
+        make(&parent)?;
+        // What is looked at now is what is written to, whatever becomes of links meanwhile.
+        let folder = fs::canonicalize(&parent).map_err(fail)?;
+        if !folder.starts_with(fs::canonicalize(&self.root).map_err(fail)?) {
+            return leads_out();
+        }
+        let place = folder.join(file_name);
+        if fs::symlink_metadata(&place).is_ok_and(|meta| meta.is_dir()) {
             return Err(Error::writing(path.display(), "a folder is in the way"));
         }
-        self.sweep(&parent);
-        let file = begin(&parent).map_err(|error| fail(plain(error)))?;
-        Ok(Box::new(PendingFile { file, name, path, written: Arc::clone(written) }))
+        self.sweep(&folder);
+        let file = begin(&folder).map_err(|error| fail(plain(error)))?;
+        Ok(Box::new(PendingFile { file, name, path, place, written: Arc::clone(written) }))
     }
+
+    /// Whether a folder, or what there is of the way to it, lies in this one when links are followed.
+    fn keeps(&self, folder: &Path) -> io::Result<bool> {
+        let root = fs::canonicalize(&self.root)?;
+        for known in folder.ancestors() {
+            match fs::canonicalize(known) {
+                Ok(real) => return Ok(real.starts_with(&root)),
+                Err(error) if error.kind() == io::ErrorKind::NotFound => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(false)
+    }
+}
+
+/// Whether a name goes down only.
+fn is_plain(name: &Path) -> bool {
+    name.components().all(|part| matches!(part, Component::Normal(_)))
 }
 
 impl OutputFolder {
@@ -156,7 +191,10 @@ fn remove_abandoned(folder: &Path) {
 struct PendingFile {
     file: NamedTempFile,
     name: PathBuf,
+    /// As the user knows it.
     path: PathBuf,
+    /// Where it goes, links followed.
+    place: PathBuf,
     written: Arc<Mutex<Vec<WrittenFile>>>,
 }
 
@@ -178,7 +216,7 @@ impl Seek for PendingFile {
 
 impl OutputStream for PendingFile {
     fn finish(self: Box<Self>) -> Result<()> {
-        let Self { mut file, name, path, written } = *self;
+        let Self { mut file, name, path, place, written } = *self;
         let fail = |error: io::Error| Error::writing(path.display(), error);
         let entry = WrittenFile {
             name,
@@ -187,7 +225,7 @@ impl OutputStream for PendingFile {
             digest: file.as_file_mut().rewind().and_then(|()| digest_of(file.as_file_mut())).map_err(fail)?,
         };
         open_to_readers(&file).map_err(fail)?;
-        file.persist(&path).map_err(|error| fail(plain(error.error)))?;
+        file.persist(&place).map_err(|error| fail(plain(error.error)))?;
         written.lock().unwrap_or_else(PoisonError::into_inner).push(entry);
         Ok(())
     }
@@ -206,65 +244,4 @@ fn open_to_readers(_: &NamedTempFile) -> io::Result<()> {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn names(folder: &Path) -> Vec<String> {
-        let mut names: Vec<_> = fs::read_dir(folder)
-            .unwrap()
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect();
-        names.sort();
-        names
-    }
-
-    #[test]
-    fn what_dead_runs_left_goes_and_what_living_runs_write_stays() {
-        let root = tempfile::tempdir().unwrap();
-        let living = OutputFolder::new(root.path());
-        let mut under_way = living.create("a.txt").unwrap();
-        under_way.write_all(b"whole").unwrap();
-        let held = names(root.path());
-        for left in [".orograph-dead.tmp", ".orograph-other.txt", "orograph-x.tmp"] {
-            fs::write(root.path().join(left), "half").unwrap();
-        }
-        // Another run begins a file in the same folder.
-        OutputFolder::new(root.path()).create("b.txt").unwrap().finish().unwrap();
-        let mut expected =
-            [held, vec![".orograph-other.txt".into(), "b.txt".into(), "orograph-x.tmp".into()]].concat();
-        expected.sort();
-        assert_eq!(names(root.path()), expected);
-        under_way.finish().unwrap();
-        assert_eq!(fs::read(root.path().join("a.txt")).unwrap(), b"whole");
-        assert_eq!(names(root.path()), [".orograph-other.txt", "a.txt", "b.txt", "orograph-x.tmp"]);
-    }
-
-    #[test]
-    fn runs_that_begin_together_do_not_take_each_other_s_files() {
-        let root = tempfile::tempdir().unwrap();
-        std::thread::scope(|scope| {
-            for writer in 0..8 {
-                let root = root.path();
-                scope.spawn(move || {
-                    for file in 0..25 {
-                        let name = format!("{writer}-{file}");
-                        let mut out = OutputFolder::new(root).create(&name).unwrap();
-                        out.write_all(name.as_bytes()).unwrap();
-                        out.finish().unwrap();
-                    }
-                });
-            }
-        });
-        assert_eq!(names(root.path()).len(), 200);
-    }
-
-    #[test]
-    fn errors_name_the_file_as_the_user_finds_it() {
-        let folder = OutputFolder::new("out");
-        let named = |path: &str| folder.located(Error::writing(path, "no room")).to_string();
-        assert_eq!(named("maps/a.png"), "writing out/maps/a.png: no room");
-        assert_eq!(named("out/a.png"), "writing out/a.png: no room");
-        let other = Error::reading("a.png", "gone");
-        assert_eq!(folder.located(other.clone()), other);
-    }
-}
+mod tests;

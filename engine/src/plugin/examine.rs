@@ -9,7 +9,7 @@ use orograph_abi::ENTRY;
 ///
 /// # Errors
 /// A line that says why not.
-pub(super) fn examine(bytes: &[u8]) -> Result<(), String> {
+pub(crate) fn examine(bytes: &[u8]) -> Result<(), String> {
     let file = File::parse(bytes).map_err(|_| "it is no dynamic library".to_owned())?;
     let here = (format_here(), architecture_here());
     if let Some(format) = here.0.filter(|format| *format != file.format()) {

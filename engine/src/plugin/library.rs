@@ -16,7 +16,7 @@ pub(crate) struct Library {
 }
 
 /// A spec of more bytes than this is a mistake or an attack.
-const MOST_TEXT: usize = 16 << 20;
+pub(super) const MOST_TEXT: usize = 16 << 20;
 
 impl Library {
     /// Loads the library and reads what it says of itself.
@@ -86,6 +86,14 @@ fn describe(entry: &OrographPlugin) -> Result<PluginSpec, String> {
     }
     // SAFETY: the text stays for as long as the plugin is loaded, as the ABI says.
     let text = unsafe { read_text(text) }.map_err(|malformed| format!("its spec: {}", malformed.0))?;
+    spec_in(text)
+}
+
+/// The spec that a plugin gives as text.
+///
+/// # Errors
+/// A line that says why nodes cannot be made of it.
+pub(crate) fn spec_in(text: &str) -> Result<PluginSpec, String> {
     let spec: PluginSpec =
         ron::from_str(text).map_err(|error| format!("its spec is no RON of a plugin: {error}"))?;
     check(&spec)?;

@@ -30,6 +30,8 @@ use orograph_core::Digest;
 pub use isolate::Limits;
 pub use program::{Program, serve};
 
+pub(crate) use {examine::examine, library::spec_in};
+
 use crate::registry::Registry;
 use isolate::Workers;
 use node::{Calls, Here, Plugin};

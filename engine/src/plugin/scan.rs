@@ -1,7 +1,8 @@
 //! Scanning: what a plugin says of itself, learnt in a process of its own and remembered by content.
 
 use std::{
-    fs, io,
+    fs,
+    io::{self, Read},
     path::{Path, PathBuf},
     process::{Command, ExitStatus, Stdio},
     thread,
@@ -12,7 +13,12 @@ use orograph_abi::PluginSpec;
 use orograph_core::Digest;
 use serde::{Deserialize, Serialize};
 
-use super::{examine::examine, library::Library, program::Program, store::Store};
+use super::{
+    examine::examine,
+    library::{Library, MOST_TEXT},
+    program::Program,
+    store::Store,
+};
 use crate::whole::write_whole;
 
 /// How long a plugin may take to say what it is.
@@ -105,12 +111,19 @@ fn in_child(copy: &Path, program: &Program) -> io::Result<Scan> {
         }
         thread::sleep(Duration::from_millis(2));
     };
-    let text = fs::read_to_string(&result).ok();
-    let scan = text.and_then(|text| ron::from_str(&text).ok());
+    let scan = read_answer(&result).and_then(|text| ron::from_str(&text).ok());
     Ok(match scan {
         Some(scan) if status.success() => scan,
         _ => Scan::Refused(format!("it ended the process that looked at it: {}", ending(status))),
     })
+}
+
+/// What the child wrote, whose code is a stranger's: no more of it than a spec may take, written as text within text.
+fn read_answer(file: &Path) -> Option<String> {
+    let most = 2 * MOST_TEXT as u64;
+    let mut text = String::new();
+    fs::File::open(file).ok()?.take(most).read_to_string(&mut text).ok()?;
+    Some(text)
 }
 
 /// The child's part: loads the library and writes what it says.

@@ -6,6 +6,7 @@
 use std::{
     fs, io,
     path::{Path, PathBuf},
+    sync::{Mutex, PoisonError},
 };
 
 use orograph_abi::{OROGRAPH_ABI_MAJOR, OROGRAPH_ABI_MINOR};
@@ -18,14 +19,17 @@ use crate::{
     whole::{save_whole, write_whole},
 };
 
+/// A library of more bytes than this is a mistake.
+const MOST_BYTES: u64 = 1 << 30;
+
 /// A folder of copies and scans. It may go at any time: everything in it is made again.
 pub(super) struct Store {
     root: PathBuf,
     /// The cache folder that it lies in, which remembers digests of files.
     cache: Option<DiskTier>,
     digests: FileDigests,
-    /// Where there is no cache folder, it lasts as long as this.
-    _own: Option<TempDir>,
+    /// Where there is no cache folder, or no copy can be written there: it lasts as long as this.
+    own: Mutex<Option<TempDir>>,
 }
 
 impl Store {
@@ -38,10 +42,15 @@ impl Store {
         if let Some(folder) = cache
             && let Ok(cache) = DiskTier::open(folder)
         {
-            return Ok(Self { root: plugin_shelf(folder), cache: Some(cache), digests, _own: None });
+            return Ok(Self {
+                root: plugin_shelf(folder),
+                cache: Some(cache),
+                digests,
+                own: Mutex::default(),
+            });
         }
         let own = tempfile::tempdir()?;
-        Ok(Self { root: own.path().to_owned(), cache: None, digests, _own: Some(own) })
+        Ok(Self { root: own.path().to_owned(), cache: None, digests, own: Mutex::new(Some(own)) })
     }
 
     /// The digest of the library at `path` and the copy of that content. Unless `again`, both are told apart from others
@@ -56,6 +65,9 @@ impl Store {
                 return Ok((digest, copy));
             }
         }
+        if fs::metadata(path)?.len() > MOST_BYTES {
+            return Err(io::Error::other(format!("it has more than {MOST_BYTES} bytes")));
+        }
         let bytes = fs::read(path)?;
         let digest = Digest::of_large(&bytes);
         let copy = place(&digest);
@@ -63,8 +75,25 @@ impl Store {
             return Ok((digest, copy));
         }
         // It is not always read whole again, so it must not be lost in part either.
-        save_whole(&copy, &bytes)?;
-        Ok((digest, copy))
+        match save_whole(&copy, &bytes) {
+            Ok(()) => Ok((digest, copy)),
+            // A cache that cannot be written costs no plugin.
+            Err(_) if self.cache.is_some() => {
+                let copy = self.own_folder()?.join(digest.to_string()).join(name);
+                save_whole(&copy, &bytes)?;
+                Ok((digest, copy))
+            }
+            Err(error) => Err(error),
+        }
+    }
+
+    fn own_folder(&self) -> io::Result<PathBuf> {
+        let mut own = self.own.lock().unwrap_or_else(PoisonError::into_inner);
+        let folder = match own.take() {
+            Some(folder) => folder,
+            None => tempfile::tempdir()?,
+        };
+        Ok(own.insert(folder).path().to_owned())
     }
 
     fn known_digest(&self, path: &Path) -> Option<Digest> {
@@ -134,5 +163,21 @@ mod tests {
         assert_eq!(copy(false).0, "one");
         fs::remove_file(&one).unwrap();
         assert_eq!(copy(false), ("one".to_owned(), one));
+    }
+
+    #[test]
+    fn where_the_cache_takes_no_copy_another_place_does() {
+        let folder = tempfile::tempdir().unwrap();
+        let library = folder.path().join("lib.so");
+        fs::write(&library, "library").unwrap();
+        let cache = folder.path().join("cache");
+        let store = Store::open(Some(&cache)).unwrap();
+        fs::write(store.root.join(Digest::of(b"library").to_string()), "in the way").unwrap();
+        let (_, copy) = store.copy(&library, false).unwrap();
+        assert!(!copy.starts_with(&cache));
+        assert_eq!(fs::read(&copy).unwrap(), b"library");
+        assert_eq!(store.copy(&library, false).unwrap().1, copy);
+        drop(store);
+        assert!(!copy.exists(), "it lasts as long as the store");
     }
 }

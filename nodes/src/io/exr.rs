@@ -1,8 +1,16 @@
 //! OpenEXR: heights as one channel of floating point.
 
-use std::io::{BufReader, Cursor, Seek, Write};
+use std::{
+    collections::BTreeSet,
+    io::{Cursor, Seek, Write},
+};
 
-use exr::prelude::*;
+use exr::{
+    block::{lines::LineRef, reader::ChunksReader},
+    io::Data,
+    meta::attribute::SampleType,
+    prelude::*,
+};
 use orograph_core::prelude::{Error, Grid, Heightfield, Job};
 
 use super::file::{refuse_empty, refuse_infinite};
@@ -19,10 +27,9 @@ const NAMES: [&str; 6] = ["height", "Height", "Y", "Z", "R", "depth"];
 /// [`Error::Format`] for what is no sound picture; [`Error::NonFinite`]; [`Error::TooLarge`]; [`Error::Cancelled`].
 pub fn read(bytes: &[u8], name: &str, cell: orograph_core::CellSize, job: &Job) -> Outcome<Heightfield> {
     let fail = |error: exr::error::Error| Error::format(name, error);
-    let meta =
-        exr::meta::MetaData::read_from_buffered(BufReader::new(Cursor::new(bytes)), false).map_err(fail)?;
+    let reader = exr::block::read(Cursor::new(bytes), false).map_err(fail)?;
     let mut promised = 0u64;
-    for header in &meta.headers {
+    for header in reader.headers() {
         let Vec2(width, height) = header.layer_size;
         let Grid { .. } = Grid::new(height, width, cell)?;
         let samples = (width as u64 * height as u64).saturating_mul(header.channels.bytes_per_pixel as u64);
@@ -33,36 +40,63 @@ pub fn read(bytes: &[u8], name: &str, cell: orograph_core::CellSize, job: &Job) 
         return Err(Error::format(name, "it promises more pixels than its bytes can hold"));
     }
     job.admit(promised, || format!("the picture {name}"))?;
-    job.check()?;
-    let image = exr::prelude::read()
-        .no_deep_data()
-        .largest_resolution_level()
-        .all_channels()
-        .first_valid_layer()
-        .all_attributes()
-        .non_parallel()
-        .from_buffered(Cursor::new(bytes))
-        .map_err(fail)?;
-    let layer = image.layer_data;
-    let channels = &layer.channel_data.list;
-    let named = |wanted: &&str| channels.iter().find(|channel| channel.name.eq(wanted));
-    let channel = NAMES.iter().find_map(named).or(channels.first());
-    let channel = channel.ok_or_else(|| Error::format(name, "the picture has no channel"))?;
+    let layer = reader.headers().iter().position(|header| !header.deep);
+    let layer = layer.ok_or_else(|| Error::format(name, "the picture has deep layers alone"))?;
+    let header = reader.headers()[layer].clone();
+    let channels = &header.channels.list;
+    let named = |wanted: &&str| channels.iter().position(|channel| channel.name.eq(wanted));
+    let wanted = NAMES.iter().find_map(named).unwrap_or(0);
+    let channel = channels.get(wanted).ok_or_else(|| Error::format(name, "the picture has no channel"))?;
     if channels.len() > 1 {
         job.warn(format!("{name}: channel `{}` of {} is read as heights", channel.name, channels.len()));
     }
-    let grid = Grid::new(layer.size.height(), layer.size.width(), cell)?;
+    let grid = Grid::new(header.layer_size.height(), header.layer_size.width(), cell)?;
     if grid.is_empty() {
         return Err(Error::EmptyInput { what: name.into() });
     }
-    if channel.sample_data.len() != grid.len() {
-        return Err(Error::format(name, format!("channel `{}` is subsampled", channel.name)));
+    let cols = grid.cols;
+    let mut terrain = Heightfield::filled(grid, f32::NAN, job)?;
+    let cells = terrain.cells_mut();
+    let largest = Vec2(0, 0);
+    let chunks = reader
+        .filter_chunks(false, |_, tile, block| block.layer == layer && tile.level_index == largest)
+        .map_err(fail)?;
+    let done = job.stage(chunks.expected_chunk_count() as u64);
+    let mut places = BTreeSet::new();
+    for block in chunks.sequential_decompressor(false) {
+        job.check()?;
+        let block = block.map_err(fail)?;
+        // The table of blocks may lead to one of another layer or size, or to one twice, which the crate believes.
+        let (index, Vec2(x, y)) = (block.index, block.index.pixel_position);
+        if index.layer != layer || index.level != largest || !places.insert((y, x)) {
+            return Err(Error::format(name, "its table of blocks is wrong"));
+        }
+        for line in block.lines(&header.channels).filter(|line| line.location.channel == wanted) {
+            let Vec2(col, row) = line.location.position;
+            let end = col.saturating_add(line.location.sample_count);
+            let row = cells.get_mut(row.saturating_mul(cols)..).and_then(|rest| rest.get_mut(..cols));
+            let Some(out) = row.and_then(|row| row.get_mut(col..end)) else {
+                return Err(Error::format(name, "a block of pixels lies outside the picture"));
+            };
+            match channel.sample_type {
+                SampleType::F16 => copy(&line, out, f16::to_f32),
+                SampleType::F32 => copy(&line, out, |sample: f32| sample),
+                SampleType::U32 => copy(&line, out, |sample: u32| sample as f32),
+            }
+            .map_err(fail)?;
+        }
+        done.advance(1);
     }
-    job.admit(grid.len() as u64 * 4, || format!("the picture {name}"))?;
-    let cells: Vec<f32> = channel.sample_data.values_as_f32().collect();
-    let terrain = Heightfield::new(grid, cells)?;
     refuse_infinite(&terrain, name)?;
     Ok(terrain)
+}
+
+/// Reads the samples of a line as heights.
+fn copy<T: Data>(line: &LineRef<'_>, out: &mut [f32], height: impl Fn(T) -> f32) -> exr::error::UnitResult {
+    for (out, sample) in out.iter_mut().zip(line.read_samples()) {
+        *out = height(sample?);
+    }
+    Ok(())
 }
 
 /// Writes heights as the channel `Y` of 32-bit floats, zip-packed; voids are NaN.

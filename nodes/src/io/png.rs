@@ -25,8 +25,13 @@ impl Picture {
     /// Unpacks a picture. Palettes and fewer than 8 bits are widened.
     pub(crate) fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Self> {
         let fail = |error: png::DecodingError| Error::format(name, error);
-        let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
+        // Sums of what the decoder takes beside the pixels, which it does not take itself.
+        let limits = Limits { bytes: usize::try_from(job.memory_limit()).unwrap_or(usize::MAX) };
+        let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), limits);
         decoder.set_transformations(Transformations::EXPAND);
+        // Nobody reads these, and both may be packed small to unpack large.
+        decoder.set_ignore_text_chunk(true);
+        decoder.set_ignore_iccp_chunk(true);
         let (width, height) = decoder.read_header_info().map_err(fail)?.size();
         let Grid { rows, cols, .. } = Grid::new(height as usize, width as usize, CellSize::square(1.0))?;
         let mut reader = decoder.read_info().map_err(fail)?;

@@ -31,12 +31,19 @@ impl Node for ReadMask {
 
     fn run(&self, (): (), job: &Job) -> Result<ReadMaskOut> {
         let (bytes, name) = file::load(&self.file, job)?;
-        let picture = Picture::read(&bytes, &name, job)?;
-        let grid = Grid::new(picture.rows, picture.cols, CellSize::square(self.cell))?;
-        let mask = Mask::build(grid, job, |row, out| {
-            out.iter_mut().zip(picture.greys(row)).for_each(|(out, grey)| *out = grey.unwrap_or(0.0) as f32);
-            Ok(())
-        })?;
-        Ok(ReadMaskOut { mask })
+        Ok(ReadMaskOut { mask: read(&bytes, &name, CellSize::square(self.cell), job)? })
     }
+}
+
+/// The shares in a PNG picture: its brightness, 0 where it is transparent.
+///
+/// # Errors
+/// [`Error::Format`] for what is no sound PNG; [`Error::TooLarge`]; [`Error::Cancelled`].
+pub fn read(bytes: &[u8], name: &str, cell: CellSize, job: &Job) -> Result<Mask> {
+    let picture = Picture::read(bytes, name, job)?;
+    let grid = Grid::new(picture.rows, picture.cols, cell)?;
+    Mask::build(grid, job, |row, out| {
+        out.iter_mut().zip(picture.greys(row)).for_each(|(out, grey)| *out = grey.unwrap_or(0.0) as f32);
+        Ok(())
+    })
 }

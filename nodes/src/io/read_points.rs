@@ -69,7 +69,8 @@ const NAMES: [&[&str]; 3] = [
 /// The points in a table as text, coordinates as they are.
 ///
 /// # Errors
-/// [`Error::Format`] for columns that are missing and text that is no finite number; [`Error::Cancelled`].
+/// [`Error::Format`] for columns that are missing and text that is no finite number; [`Error::TooLarge`];
+/// [`Error::Cancelled`].
 pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Points> {
     let fail = |reason: String| Error::format(name, reason);
     let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -88,6 +89,7 @@ pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Points> {
     for (i, record) in table.byte_records().enumerate() {
         if i.is_multiple_of(1 << 12) {
             job.check()?;
+            job.admit(i as u64 * 3 * 8, || format!("the points in {name}"))?;
         }
         let record = record.map_err(|error| fail(error.to_string()))?;
         let text =

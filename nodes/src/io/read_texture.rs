@@ -31,12 +31,19 @@ impl Node for ReadTexture {
 
     fn run(&self, (): (), job: &Job) -> Result<ReadTextureOut> {
         let (bytes, name) = file::load(&self.file, job)?;
-        let picture = Picture::read(&bytes, &name, job)?;
-        let grid = Grid::new(picture.rows, picture.cols, CellSize::square(self.cell))?;
-        let texture = Texture::build(grid, job, |row, out| {
-            out.iter_mut().zip(picture.colours(row)).for_each(|(out, colour)| *out = colour);
-            Ok(())
-        })?;
-        Ok(ReadTextureOut { texture })
+        Ok(ReadTextureOut { texture: read(&bytes, &name, CellSize::square(self.cell), job)? })
     }
+}
+
+/// The colours in a PNG picture.
+///
+/// # Errors
+/// [`Error::Format`] for what is no sound PNG; [`Error::TooLarge`]; [`Error::Cancelled`].
+pub fn read(bytes: &[u8], name: &str, cell: CellSize, job: &Job) -> Result<Texture> {
+    let picture = Picture::read(bytes, name, job)?;
+    let grid = Grid::new(picture.rows, picture.cols, cell)?;
+    Texture::build(grid, job, |row, out| {
+        out.iter_mut().zip(picture.colours(row)).for_each(|(out, colour)| *out = colour);
+        Ok(())
+    })
 }

@@ -324,6 +324,19 @@ fn absurd_dimensions_take_no_memory() {
     assert!(ascii::read(text, "x", &Job::detached()).is_err());
 }
 
+/// Packed as LZW packs, a tile may be thousands of times larger than its bytes, and much larger than the image.
+#[test]
+fn a_tile_that_the_run_may_not_hold_is_refused_before_it_is_unpacked() {
+    let mut bytes = geotiff_of(&sample(4, 4), &Options::default()).unwrap();
+    for tag in [322_u16, 323] {
+        let entry = [tag.to_le_bytes(), 3_u16.to_le_bytes()].concat();
+        let at = bytes.windows(4).position(|bytes| bytes == entry).unwrap();
+        bytes[at + 8..at + 10].copy_from_slice(&65520_u16.to_le_bytes());
+    }
+    let error = geotiff::read(&bytes, "x", &Job::detached()).unwrap_err();
+    assert!(matches!(error, Error::TooLarge { .. }), "{error}");
+}
+
 #[test]
 fn an_unsupported_compression_is_named() {
     let mut bytes = geotiff_of(&sample(4, 4), &Options::default()).unwrap();

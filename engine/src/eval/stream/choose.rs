@@ -215,7 +215,7 @@ impl Chooser<'_> {
         let spared: usize = spared.map(|&id| self.node(id).spec().map_or(0, |spec| spec.outputs.len())).sum();
         let one = cells.saturating_mul(CELL_BYTES);
         // A node that runs has two or three values in hand; and what a run makes should not drive out the rest.
-        spared > 0 && (one > budget / 4 || one.saturating_mul(spared as u64) > MOST.min(budget / 2))
+        spared > 0 && (one > budget / 4 || one.saturating_mul(spared as u64) >= MOST.min(budget / 2))
     }
 
     fn section(&self, group: &[NodeId], outlooks: &[Outlook]) -> Option<Section> {

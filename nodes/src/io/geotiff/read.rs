@@ -217,6 +217,8 @@ impl<'a> Layout<'a> {
             padded,
         };
         layout.admit(chunks)?;
+        // Its bytes may be packed four thousand times smaller, and it may reach far beyond the image.
+        job.admit(bytes.unwrap_or(u64::MAX), || format!("a strip or tile of {name}"))?;
         Ok(layout)
     }
 
