@@ -7,8 +7,9 @@ use super::{
     geotiff::{Colours, Compression, GeotiffSink, Layout, Storage, Writer},
 };
 
-/// Writes a texture, such as a hillshade, as GeoTIFF with its georeference, for maps and for what is too large for a
-/// PNG picture; BigTIFF by itself where 4 GiB would not do.
+/// Writes a texture, such as a hillshade, as GeoTIFF with its georeference.
+///
+/// For maps, and for pictures too large for PNG; BigTIFF by itself where 4 GiB would not do.
 #[derive(Params, Clone, Debug)]
 pub struct WriteGeotiffTexture {
     /// The file to write.
