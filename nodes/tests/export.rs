@@ -13,10 +13,11 @@ use exporting::{Folder, exr_channel, png};
 use orograph_core::{Mesh, Rgba, Share, prelude::*};
 use orograph_nodes::{
     io::{
-        geotiff::Layout,
+        geotiff::{Compression, Layout},
         target::Target,
         write_exr::{WriteExr, WriteExrIn},
         write_geotiff::{WriteGeotiff, WriteGeotiffIn},
+        write_geotiff_texture::{WriteGeotiffTexture, WriteGeotiffTextureIn},
         write_gltf::{WriteGltf, WriteGltfIn},
         write_mask::{WriteMask, WriteMaskIn},
         write_obj::{Up, WriteObj, WriteObjIn},
@@ -293,6 +294,37 @@ fn geotiff_comes_in_tiles_that_another_library_reads() {
         };
         for (found, &wanted) in cells.iter().zip(terrain.cells()) {
             assert_eq!(*found, if wanted.is_nan() { -32768.0 } else { wanted });
+        }
+    }
+}
+
+#[test]
+fn geotiff_holds_every_colour_with_and_without_alpha() {
+    let (folder, terrain) = (Folder::new(), hill(300, 520, false));
+    let mut texture = colours(&terrain);
+    for (index, colour) in texture.cells_mut().iter_mut().enumerate() {
+        colour[3] = (index % 251) as u8;
+    }
+    for (alpha, compression, layout) in [
+        (false, Compression::Deflate, Layout::Tiles),
+        (true, Compression::Deflate, Layout::Strips),
+        (true, Compression::Lzw, Layout::Tiles),
+        (false, Compression::None, Layout::Strips),
+    ] {
+        let node = WriteGeotiffTexture { alpha, compression, layout, ..WriteGeotiffTexture::default() };
+        node.run(WriteGeotiffTextureIn { texture: &texture }, &folder.job()).unwrap();
+        let mut reader = tiff::decoder::Decoder::new(Cursor::new(folder.read("texture.tif"))).unwrap();
+        let kind = if alpha { tiff::ColorType::RGBA(8) } else { tiff::ColorType::RGB(8) };
+        assert_eq!((reader.dimensions().unwrap(), reader.colortype().unwrap()), ((520, 300), kind));
+        let tie = reader.get_tag_f64_vec(tiff::tags::Tag::ModelTiepointTag).unwrap();
+        assert_eq!(tie[3..5], [500_000.0, 4_000_000.0]);
+        let tiff::decoder::DecodingResult::U8(samples) = reader.read_image().unwrap() else {
+            panic!("not bytes")
+        };
+        let of_a_cell = if alpha { 4 } else { 3 };
+        assert_eq!(samples.len(), of_a_cell * texture.cells().len());
+        for (found, wanted) in samples.chunks(of_a_cell).zip(texture.cells()) {
+            assert_eq!(found, &wanted[..of_a_cell]);
         }
     }
 }

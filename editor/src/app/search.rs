@@ -121,8 +121,8 @@ impl Search {
         found
     }
 
-    /// The types that fit the wire and the words: first those whose name begins so, then those that hold the words
-    /// in their name, then those that hold them in what they do.
+    /// The types that fit the wire and the words: first the one of just that name, then those whose name begins so, then
+    /// those that hold the words in their name, then those that hold them in what they do.
     fn matches<'r>(&self, registry: &'r Registry) -> Vec<&'r NodeSpec> {
         let words: Vec<String> = self.query.to_lowercase().split_whitespace().map(str::to_owned).collect();
         let mut ranked: Vec<(usize, &NodeSpec)> = registry
@@ -140,15 +140,18 @@ fn rank(spec: &NodeSpec, words: &[String]) -> Option<usize> {
     let id = spec.id.replace('_', " ");
     let algorithm = id.rsplit('.').next().unwrap_or(&id);
     let doc = spec.doc.to_lowercase();
+    if algorithm.split(' ').eq(words) {
+        return Some(0);
+    }
     if words.first().is_some_and(|word| algorithm.starts_with(word.as_str()))
         && words.iter().all(|w| id.contains(w))
     {
-        return Some(0);
-    }
-    if words.iter().all(|word| id.contains(word.as_str())) {
         return Some(1);
     }
-    words.iter().all(|word| id.contains(word.as_str()) || doc.contains(word.as_str())).then_some(2)
+    if words.iter().all(|word| id.contains(word.as_str())) {
+        return Some(2);
+    }
+    words.iter().all(|word| id.contains(word.as_str()) || doc.contains(word.as_str())).then_some(3)
 }
 
 fn takes(spec: &NodeSpec, loose: &Loose) -> bool {
