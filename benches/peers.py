@@ -60,9 +60,9 @@ def opencv():
 
 def blur():
     ground, cv2 = noise(1024), opencv()
-    # The node's default of 30 m on cells of 23.7 by 30.9 m, out to four deviations.
+    # The node's default of 100 m on cells of 23.7 by 30.9 m, out to four deviations.
     size = lambda sigma: 2 * int(-(-4 * sigma // 1)) + 1
-    x, y = 30 / 23.7, 30 / 30.9
+    x, y = 100 / 23.7, 100 / 30.9
     return best(lambda: cv2.GaussianBlur(ground, (size(x), size(y)), sigmaX=x, sigmaY=y))
 
 

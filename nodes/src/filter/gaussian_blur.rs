@@ -5,6 +5,7 @@
 //! nothing. The bell is cut at four standard deviations, where it has fallen to a 3000th.
 
 use orograph_core::prelude::*;
+use pulp::{Arch, NullaryFnOnce};
 
 /// Smooths terrain by a bell-shaped mean. Voids stay voids and weigh nothing in their neighbours' means.
 #[derive(Params, Clone, Debug)]
@@ -65,82 +66,153 @@ fn bell(sigma: f64, cells: usize) -> Vec<f64> {
 }
 
 /// Cells whose sums are kept in registers together.
-const BLOCK: usize = 8;
+const BLOCK: usize = 32;
 
 /// `terrain` smoothed by a bell of `sigma` metres; linear in `sigma`.
 ///
 /// # Errors
 /// [`Error::TooLarge`] and [`Error::Cancelled`].
 pub fn blur(terrain: &Heightfield, sigma: f64, job: &Job) -> Result<Heightfield> {
-    let grid = terrain.grid();
+    let (grid, arch) = (terrain.grid(), Arch::new());
     let across = bell(sigma / grid.cell.x, grid.cols);
     let down = bell(sigma / grid.cell.y, grid.rows);
     let pass = |weigh: fn(f32) -> f32| {
         Heightfield::build(grid.clone(), job, |row, out| {
             let cells: Vec<f64> = terrain.row(row).iter().map(|&height| f64::from(weigh(height))).collect();
-            along_row(&cells, &across, out);
+            arch.dispatch(Along { cells: &cells, bell: &across, out });
             Ok(())
         })
     };
     let heights = pass(|height| if height.is_nan() { 0.0 } else { height })?;
-    let weights = pass(|height| f32::from(u8::from(!height.is_nan())))?;
+    let weights = match terrain.void_count() {
+        0 => Weights::even(grid.size(), &across, &down, arch),
+        _ => Weights::Each(pass(|height| f32::from(u8::from(!height.is_nan())))?),
+    };
     Heightfield::build(grid.clone(), job, |row, out| {
-        let mut start = 0;
-        for block in out.chunks_mut(BLOCK) {
-            let height = down_columns(&heights, &down, row, start, block.len());
-            let weight = down_columns(&weights, &down, row, start, block.len());
-            for (i, out) in block.iter_mut().enumerate() {
-                if !terrain.at(row, start + i).is_nan() {
-                    *out = (height[i] / weight[i]) as f32;
-                }
+        let sums = |field: &[f32], stride: usize| {
+            let mut sums = vec![0.0; grid.cols];
+            arch.dispatch(Down { field, stride, rows: grid.rows, bell: &down, row, sums: &mut sums });
+            sums
+        };
+        let height = sums(heights.cells(), grid.cols);
+        let weight = match &weights {
+            Weights::Even { inner, .. } if row >= down.len() - 1 && row + down.len() <= grid.rows => inner,
+            Weights::Even { across, .. } => &sums(across, 0),
+            Weights::Each(weights) => &sums(weights.cells(), grid.cols),
+        };
+        for (((out, &here), height), weight) in out.iter_mut().zip(terrain.row(row)).zip(&height).zip(weight)
+        {
+            if !here.is_nan() {
+                *out = (height / weight) as f32;
             }
-            start += BLOCK;
         }
         Ok(())
     })
 }
 
-/// Weighted sums along a row, each in the order of its columns.
-fn along_row(cells: &[f64], bell: &[f64], out: &mut [f32]) {
-    let (n, reach) = (cells.len(), bell.len() - 1);
-    let mut start = 0;
-    for block in out.chunks_mut(BLOCK) {
-        let mut sums = [0.0_f64; BLOCK];
-        let end = start + BLOCK;
-        if start >= reach && end + reach <= n {
-            for offset in 0..=2 * reach {
-                let weight = bell[offset.abs_diff(reach)];
-                let window = &cells[start + offset - reach..][..BLOCK];
-                for (sum, cell) in sums.iter_mut().zip(window) {
-                    *sum += weight * cell;
-                }
-            }
-        } else {
-            for (i, sum) in sums.iter_mut().enumerate().take(block.len()) {
-                let col = start + i;
-                for other in col.saturating_sub(reach)..(col + reach + 1).min(n) {
-                    *sum += bell[other.abs_diff(col)] * cells[other];
-                }
-            }
-        }
-        for (out, sum) in block.iter_mut().zip(sums) {
-            *out = sum as f32;
-        }
-        start = end;
+/// What the heights around each cell weigh together.
+enum Weights {
+    /// Without voids every row is alike.
+    Even {
+        /// The weights along a row.
+        across: Vec<f32>,
+        /// Those sums down the columns of a row whose neighbours are all there.
+        inner: Vec<f64>,
+    },
+    /// The weights along each row.
+    Each(Heightfield),
+}
+
+impl Weights {
+    fn even((rows, cols): (usize, usize), across: &[f64], down: &[f64], arch: Arch) -> Self {
+        let mut weights = vec![0.0; cols];
+        arch.dispatch(Along { cells: &vec![1.0; cols], bell: across, out: &mut weights });
+        let mut inner = vec![0.0; cols];
+        // Any row that is far enough from the borders, in a raster that has one.
+        let row = down.len() - 1;
+        let rows = rows.max(2 * down.len());
+        arch.dispatch(Down { field: &weights, stride: 0, rows, bell: down, row, sums: &mut inner });
+        Self::Even { across: weights, inner }
     }
 }
 
-/// Weighted sums down up to [`BLOCK`] columns from `start`, each in the order of its rows.
-fn down_columns(field: &Heightfield, bell: &[f64], row: usize, start: usize, n: usize) -> [f64; BLOCK] {
-    let reach = bell.len() - 1;
-    let mut sums = [0.0_f64; BLOCK];
-    for other in row.saturating_sub(reach)..(row + reach + 1).min(field.rows()) {
-        let weight = bell[other.abs_diff(row)];
-        for (sum, &cell) in sums.iter_mut().zip(&field.row(other)[start..start + n]) {
-            *sum += weight * f64::from(cell);
+/// Weighted sums along a row, each in the order of its columns.
+struct Along<'a> {
+    cells: &'a [f64],
+    bell: &'a [f64],
+    out: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Along<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { cells, bell, out } = self;
+        let (n, reach) = (cells.len(), bell.len() - 1);
+        for (block, out) in out.chunks_mut(BLOCK).enumerate() {
+            let start = block * BLOCK;
+            if start >= reach && start + BLOCK + reach <= n {
+                let mut sums = [0.0_f64; BLOCK];
+                for offset in 0..=2 * reach {
+                    let weight = bell[offset.abs_diff(reach)];
+                    let window = &cells[start + offset - reach..][..BLOCK];
+                    for (sum, cell) in sums.iter_mut().zip(window) {
+                        *sum += weight * cell;
+                    }
+                }
+                for (out, sum) in out.iter_mut().zip(sums) {
+                    *out = sum as f32;
+                }
+                continue;
+            }
+            for (i, out) in out.iter_mut().enumerate() {
+                let col = start + i;
+                let others = col.saturating_sub(reach)..(col + reach + 1).min(n);
+                *out = others.fold(0.0, |sum, other| sum + bell[other.abs_diff(col)] * cells[other]) as f32;
+            }
         }
     }
-    sums
+}
+
+/// Weighted sums down the columns of a row, each in the order of its rows.
+struct Down<'a> {
+    field: &'a [f32],
+    /// From one row to the next; 0 where all rows are the same one.
+    stride: usize,
+    rows: usize,
+    bell: &'a [f64],
+    row: usize,
+    sums: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Down<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { field, stride, rows, bell, row, sums } = self;
+        let reach = bell.len() - 1;
+        let others = row.saturating_sub(reach)..(row + reach + 1).min(rows);
+        for (block, out) in sums.chunks_mut(BLOCK).enumerate() {
+            let start = block * BLOCK;
+            let mut sums = [0.0_f64; BLOCK];
+            for other in others.clone() {
+                let weight = bell[other.abs_diff(row)];
+                let cells = &field[other * stride + start..][..out.len()];
+                if cells.len() == BLOCK {
+                    for (sum, &cell) in sums.iter_mut().zip(&cells[..BLOCK]) {
+                        *sum += weight * f64::from(cell);
+                    }
+                } else {
+                    for (sum, &cell) in sums.iter_mut().zip(cells) {
+                        *sum += weight * f64::from(cell);
+                    }
+                }
+            }
+            out.copy_from_slice(&sums[..out.len()]);
+        }
+    }
 }
 
 #[cfg(test)]
