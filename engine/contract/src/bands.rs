@@ -1,16 +1,14 @@
 //! What is made or written some rows at a time is what is made or written at once.
 
-use orograph_core::{Band, Context, Instance, Job, NodeType, Result, Slot, Value, rows_of};
+use orograph_core::{Band, Instance, Job, NodeType, Result, Slot, Value, rows_of};
 
 use crate::{
     defaults,
+    determinism::CONTEXT,
     host::MemoryHost,
     inputs::{Cover, digests, slots, terrain},
     needs_no_file,
 };
-
-/// A preview's resolution keeps generators small.
-const CONTEXT: Context = Context { seed: 5, resolution: Some(48) };
 
 /// A source gives in bands what it gives as a whole, and a writer writes the same file of bands.
 #[must_use]

@@ -24,7 +24,7 @@ fn outputs(node: &NodeType, slots: &[Slot], context: Context) -> Option<Result<V
 }
 
 /// A preview's resolution keeps generators small.
-const CONTEXT: Context = Context { seed: 5, resolution: Some(48) };
+pub(crate) const CONTEXT: Context = Context { seed: 5, resolution: Some(48) };
 
 /// Pools of 1, 2 and 8 threads, as many as the system gives.
 static POOLS: LazyLock<Vec<ThreadPool>> = LazyLock::new(|| {

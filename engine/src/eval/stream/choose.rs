@@ -55,7 +55,9 @@ impl Chooser<'_> {
             return Vec::new();
         }
         let outlooks = self.outlooks(&self.unknown());
-        self.groups(&outlooks).into_values().filter_map(|group| self.section(&group, &outlooks)).collect()
+        let groups = self.groups(&outlooks);
+        let asked = self.asked_from_outside(&outlooks);
+        groups.into_values().filter_map(|group| self.section(&group, &outlooks, &asked)).collect()
     }
 
     fn node(&self, id: NodeId) -> &GraphNode {
@@ -218,8 +220,7 @@ impl Chooser<'_> {
         spared > 0 && (one > budget / 4 || one.saturating_mul(spared as u64) >= MOST.min(budget / 2))
     }
 
-    fn section(&self, group: &[NodeId], outlooks: &[Outlook]) -> Option<Section> {
-        let asked = self.asked_from_outside(outlooks);
+    fn section(&self, group: &[NodeId], outlooks: &[Outlook], asked: &[bool]) -> Option<Section> {
         let (mut members, mut outside): (Vec<Member>, Vec<OutputRef>) = Default::default();
         for &id in group {
             let node = self.node(id).clone();

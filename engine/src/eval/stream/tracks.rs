@@ -8,7 +8,7 @@ use super::{
     host::MemberHost,
     section::{Member, Role, Section, Wire},
 };
-use crate::eval::report::Outcome;
+use crate::eval::{call::call, report::Outcome};
 
 /// Bytes that the newest rows of all members may take together at most: enough that rows computed twice, at the edges of
 /// bands, do not count.
@@ -219,15 +219,9 @@ impl<'a> Tracks<'a> {
                 let (halo, rows) = (self.hands[index].halo, self.hands[index].grid.rows);
                 let (from, to) = (start.saturating_sub(halo), end.saturating_add(halo).min(rows));
                 let slots = self.slots_of(member, from, to, job)?;
-                let values = member.instance.run(&slots, job).map_err(|error| moved(error, from))?;
+                let values = call(&member.node, &slots, job).map_err(|error| moved(error, from))?;
                 drop(slots);
-                if values.len() != member.outputs.len() {
-                    return Err(unkept("it gives other outputs than its spec declares"));
-                }
                 for (output, value) in values.into_iter().enumerate() {
-                    if value.value_type() != member.outputs[output] {
-                        return Err(unkept("it gives other outputs than its spec declares"));
-                    }
                     let band = Band { first: from, value };
                     if band.end() != to {
                         return Err(unkept("it is local, but an output has another grid than the input"));
