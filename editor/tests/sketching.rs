@@ -7,7 +7,7 @@ use std::fs;
 
 use common::{
     Editor, Place, click,
-    hand::{button, drag_with, in_picture, write},
+    hand::{button, click_with, drag_with, in_picture, write},
     open, press, select,
 };
 use eframe::egui::{Key, Modifiers, PointerButton, accesskit::Role};
@@ -168,4 +168,19 @@ fn a_node_without_lines_has_no_brushes() {
     let before = editor.state().app().document().clone();
     stroke(&mut editor, &[(0.2, 0.2), (0.7, 0.2)]);
     assert_eq!(*editor.state().app().document(), before, "the pointer moves the picture again");
+}
+
+#[test]
+fn a_sketch_is_drawn_upon_although_the_view_shows_ground() {
+    let (_place, mut editor) = drawn_upon("mcmd.sketch", "extent");
+    button(&mut editor, "draw");
+    stroke(&mut editor, &[(0.2, 0.3), (0.8, 0.6)]);
+    button(&mut editor, "3D");
+    let words = "Heights are known in single places or along lines alone: look at them in 2D";
+    assert!(editor.query_by_label(words).is_some(), "lines are no ground");
+    button(&mut editor, "point");
+    assert!(editor.query_by_label(words).is_none(), "a tool shows what it draws upon");
+    let place = in_picture(&editor, "view", 0.5, 0.8);
+    click_with(&mut editor, PointerButton::Primary, NONE, place);
+    assert_eq!(lines(&editor).len(), 2);
 }

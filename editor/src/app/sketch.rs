@@ -80,7 +80,9 @@ impl App {
         for (tool, label) in
             [(Tool::Look, "look"), (Tool::Draw, "draw"), (Tool::Point, "point"), (Tool::Erase, "erase")]
         {
-            ui.selectable_value(&mut self.tool, tool, label);
+            if ui.selectable_value(&mut self.tool, tool, label).clicked() && tool != Tool::Look {
+                self.lay_flat(&drawable.node);
+            }
         }
         if drawable.layers.len() > 1 {
             ui.separator();
@@ -99,6 +101,16 @@ impl App {
             let button = ui.button("picture under it…").on_hover_text("Paint over a picture from a file");
             if button.clicked() {
                 self.ask_file(Question::Input, For::Under(input));
+            }
+        }
+    }
+
+    /// Shows what a node gives as a picture, which can be drawn upon, where it is shown as ground.
+    fn lay_flat(&mut self, name: &str) {
+        for pane in &mut self.panes {
+            let shows = pane.output.as_ref().is_some_and(|output| output.node == name);
+            if let (true, Mode::Ground(look)) = (shows, &pane.mode) {
+                pane.mode = look.clone().map_or(Mode::First, Mode::Look);
             }
         }
     }

@@ -92,9 +92,10 @@ impl Ground {
         painter.rect_filled(rect, 0.0, ui.visuals().extreme_bg_color);
         self.draw(rect, texture);
         if let Some(drawn) = &self.drawn {
-            painter.add(Shape::Mesh(drawn.ground.clone()));
-            if let Some(lines) = &drawn.lines {
-                painter.add(Shape::Mesh(lines.clone()));
+            // The window's painter stops the program at a mesh that has corners and no triangle.
+            let meshes = [Some(&drawn.ground), drawn.lines.as_ref()].into_iter().flatten();
+            for mesh in meshes.filter(|mesh| !mesh.indices.is_empty()) {
+                painter.add(Shape::Mesh(mesh.clone()));
             }
         }
         if let Some(legend) = legend {

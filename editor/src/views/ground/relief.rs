@@ -71,6 +71,15 @@ impl Relief {
                 if height.is_finite() { ((f64::from(height) - middle) * scale_z) as f32 } else { f32::NAN }
             }));
         }
+        let known = |row: usize, col: usize| !zs[row * at_cols.len() + col].is_nan();
+        let square = |(row, col)| {
+            known(row, col) && known(row, col + 1) && known(row + 1, col) && known(row + 1, col + 1)
+        };
+        let mut squares =
+            (1..at_rows.len()).flat_map(|row| (1..at_cols.len()).map(move |col| (row - 1, col - 1)));
+        if !squares.any(square) {
+            return Err("Heights are known in single places or along lines alone: look at them in 2D");
+        }
         Ok(Self {
             xs: place(&at_cols, 1),
             ys: place(&at_rows, 0),
@@ -210,6 +219,10 @@ pub(super) mod tests {
         assert!(Relief::new(&terrain(9, 1, |_, _| 3.0)).err().unwrap().contains("two columns"));
         assert!(Relief::new(&terrain(4, 4, |_, _| f32::NAN)).err().unwrap().contains("void"));
         assert!(Relief::new(&terrain(4, 4, |_, _| f32::INFINITY)).err().unwrap().contains("void"));
+        let line = |row, col| if row == col { 3.0 } else { f32::NAN };
+        assert!(Relief::new(&terrain(4, 4, line)).err().unwrap().contains("lines"));
+        let square = |row, col| if row < 2 && col < 2 { 3.0 } else { f32::NAN };
+        assert!(Relief::new(&terrain(4, 4, square)).is_ok());
     }
 
     #[test]
@@ -241,7 +254,7 @@ pub(super) mod tests {
             terrain(3, 3, |_, _| 5.0),
             terrain(3, 3, |row, _| [3e38, -3e38, 0.0][row]),
             terrain(3, 3, |row, _| [f32::INFINITY, 1.0, 2.0][row]),
-            terrain(3, 3, |row, col| if row == col { f32::NAN } else { 1e9 }),
+            terrain(3, 3, |row, col| if row + col == 0 { f32::NAN } else { 1e9 }),
         ] {
             let relief = Relief::new(&field).unwrap();
             assert!(relief.bounds(1.0).high <= 1.0 && relief.squeezed >= 1.0);
