@@ -6,8 +6,9 @@
 
 mod app;
 pub mod canvas;
+mod clicks;
 pub mod inspector;
 pub mod theme;
 pub mod views;
 
-pub use app::{App, Command, Dialogs, PluginLoader, Question, Start};
+pub use app::{App, Command, Dialogs, NoDialogs, PluginLoader, Question, Start};

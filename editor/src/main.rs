@@ -1,11 +1,18 @@
 //! The node editor's window.
 
-use std::{path::PathBuf, process::ExitCode, sync::Arc};
+use std::{
+    path::PathBuf,
+    process::ExitCode,
+    sync::{
+        Arc,
+        atomic::{AtomicBool, Ordering},
+    },
+};
 
 use clap::Parser;
 use eframe::egui;
 use etcetera::BaseStrategy;
-use orograph_editor::{App, Dialogs, Question, Start};
+use orograph_editor::{App, Dialogs, NoDialogs, Question, Start};
 use orograph_session::{PluginOptions, Settings};
 
 /// The node editor of Orograph.
@@ -95,21 +102,49 @@ fn recoveries() -> Option<PathBuf> {
     Some(state.join("orograph").join("unsaved"))
 }
 
+/// Hears in the log that there are no dialogs: the library for them says it there, and answers as if the user had
+/// chosen nothing.
+struct Ear(AtomicBool);
+
+static EAR: Ear = Ear(AtomicBool::new(false));
+
+impl log::Log for Ear {
+    fn enabled(&self, metadata: &log::Metadata<'_>) -> bool {
+        metadata.level() == log::Level::Error && metadata.target().starts_with("rfd")
+    }
+
+    fn log(&self, record: &log::Record<'_>) {
+        if self.enabled(record.metadata()) {
+            self.0.store(true, Ordering::Relaxed);
+        }
+    }
+
+    fn flush(&self) {}
+}
+
 /// The system's own dialogs.
 fn dialogs() -> Dialogs {
+    if log::set_logger(&EAR).is_ok() {
+        log::set_max_level(log::LevelFilter::Error);
+    }
     Arc::new(|question, folder| {
+        EAR.0.store(false, Ordering::Relaxed);
         let mut dialog = rfd::FileDialog::new();
         if let Ok(folder) = std::path::absolute(folder)
             && folder.is_dir()
         {
             dialog = dialog.set_directory(folder);
         }
-        match question {
+        let chosen = match question {
             Question::Graph => dialog.add_filter("Graphs", &["ron"]).pick_file(),
             Question::Save => dialog.add_filter("Graphs", &["ron"]).save_file(),
             Question::Input => dialog.pick_file(),
             Question::Output => dialog.save_file(),
             Question::Folder => dialog.pick_folder(),
+        };
+        match chosen {
+            None if EAR.0.load(Ordering::Relaxed) => Err(NoDialogs),
+            chosen => Ok(chosen),
         }
     })
 }

@@ -110,7 +110,7 @@ fn every_library_stands_in_the_list_with_its_switch_or_why_it_was_refused() {
             asked_of.lock().unwrap().push(settings.clone());
             Ok((without(""), find(settings)))
         }),
-        dialogs: Arc::new(move |_, _| Some(answer.clone())),
+        dialogs: Arc::new(move |_, _| Ok(Some(answer.clone()))),
         settings_file: Some(file.clone()),
         ..place.start()
     });

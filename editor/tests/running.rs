@@ -209,7 +209,7 @@ fn a_slow_disk_freezes_nothing_when_a_graph_is_opened_and_it_can_be_given_up() {
     make_slow(&other);
     let mut start = place.start();
     let answer = other.clone();
-    start.dialogs = Arc::new(move |_, _| Some(answer.clone()));
+    start.dialogs = Arc::new(move |_, _| Ok(Some(answer.clone())));
     let mut editor = open(start);
     for is_given_up in [true, false] {
         editor.key_press_modifiers(CTRL, Key::O);
@@ -235,7 +235,7 @@ fn a_graph_without_a_name_asks_for_one_before_it_goes() {
     let mut start = place.start();
     let answer = named.clone();
     start.file = None;
-    start.dialogs = Arc::new(move |_, _| Some(answer.clone()));
+    start.dialogs = Arc::new(move |_, _| Ok(Some(answer.clone())));
     let mut editor = open(start);
     common::event(&mut editor, eframe::egui::Event::Paste(common::CHAIN.into()));
     settle(&mut editor);

@@ -78,7 +78,7 @@ fn memory_and_cache_are_kept_for_the_next_start_and_what_is_no_size_is_refused()
     let folder = place.folder.path().join("results");
     let mut start = start(&place);
     let answer = folder.clone();
-    start.dialogs = Arc::new(move |_, _| Some(answer.clone()));
+    start.dialogs = Arc::new(move |_, _| Ok(Some(answer.clone())));
     let mut editor = open(start);
     press(&mut editor, CTRL, Key::Comma);
     assert!(editor.query_by_label_contains("In use now: memory alone").is_some());
@@ -161,7 +161,7 @@ fn graphs_that_were_open_are_opened_again_and_one_that_is_gone_is_told() {
     let chosen = Arc::new(Mutex::new(other.clone()));
     let mut start = start(&place);
     let answer = chosen.clone();
-    start.dialogs = Arc::new(move |_, _| Some(answer.lock().unwrap().clone()));
+    start.dialogs = Arc::new(move |_, _| Ok(Some(answer.lock().unwrap().clone())));
     let mut editor = open(start);
     assert_eq!(kept(&place).recent, std::slice::from_ref(&place.graph));
     press(&mut editor, CTRL, Key::O);

@@ -13,7 +13,7 @@ use orograph_core::ParamValue;
 use orograph_edit::{OpenFile, SettingsChange, operations};
 use orograph_engine::{Document, document::Link};
 
-use super::App;
+use super::{App, typed::Typed};
 
 /// What a dialog asks for.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -30,8 +30,12 @@ pub enum Question {
     Folder,
 }
 
+/// The system has no dialogs to ask with.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NoDialogs;
+
 /// Asks the user for a file or folder, beginning in a folder; `None` when the user chose none. Called on a thread of its own.
-pub type Dialogs = Arc<dyn Fn(Question, &Path) -> Option<PathBuf> + Send + Sync>;
+pub type Dialogs = Arc<dyn Fn(Question, &Path) -> Result<Option<PathBuf>, NoDialogs> + Send + Sync>;
 
 /// What the chosen file is for.
 #[derive(Clone, Debug)]
@@ -52,7 +56,8 @@ pub(super) enum For {
 pub(super) struct Waiting {
     purpose: For,
     question: Question,
-    answer: Receiver<Option<PathBuf>>,
+    folder: PathBuf,
+    answer: Receiver<Result<Option<PathBuf>, NoDialogs>>,
 }
 
 /// What is to be done once unsaved work is saved or given up.
@@ -71,13 +76,13 @@ impl App {
             Question::Output => self.out.clone(),
             _ => self.folder(),
         };
-        let dialogs = self.dialogs.clone();
+        let (dialogs, beginning) = (self.dialogs.clone(), folder.clone());
         let spawned = std::thread::Builder::new().name("dialog".into()).spawn(move || {
             // The window may be gone by then.
-            let _ = sender.send(dialogs(question, &folder));
+            let _ = sender.send(dialogs(question, &beginning));
         });
         match spawned {
-            Ok(_) => self.dialog = Some(Waiting { purpose, question, answer }),
+            Ok(_) => self.dialog = Some(Waiting { purpose, question, folder, answer }),
             Err(error) => self.complain(format!("cannot start a thread: {error}")),
         }
     }
@@ -89,11 +94,19 @@ impl App {
                 ctx.request_repaint_after(std::time::Duration::from_millis(50));
                 return;
             }
-            Err(TryRecvError::Disconnected) => None,
+            Err(TryRecvError::Disconnected) => Ok(None),
             Ok(answer) => answer,
         };
-        let Some(Waiting { purpose, question, .. }) = self.dialog.take() else { return };
-        let Some(path) = answer else { return };
+        let Some(Waiting { purpose, question, folder, .. }) = self.dialog.take() else { return };
+        match answer {
+            Ok(Some(path)) => self.answered(question, purpose, path),
+            Ok(None) => {}
+            Err(NoDialogs) => self.typed = Some(Typed::new(question, purpose, &folder)),
+        }
+    }
+
+    /// Does what the path was asked for.
+    pub(super) fn answered(&mut self, question: Question, purpose: For, path: PathBuf) {
         match purpose {
             For::Open => self.open_beside(path),
             For::SaveAs(then) => self.save_as(path, then),

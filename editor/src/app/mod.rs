@@ -21,6 +21,7 @@ mod save;
 mod search;
 mod settings;
 mod sketch;
+mod typed;
 mod variations;
 mod words;
 
@@ -36,11 +37,12 @@ use orograph_engine::{Document, Evaluator, Registry, document::Link, plugin::Fou
 use orograph_session::Settings;
 
 pub use command::Command;
-pub use dialogs::{Dialogs, Question};
+pub use dialogs::{Dialogs, NoDialogs, Question};
 pub use settings::PluginLoader;
 
 use crate::{
     canvas::{Canvas, NodeView, Wire},
+    clicks::Clicks,
     inspector::Inspector,
     views::{Compare, Pane, Tool},
 };
@@ -89,7 +91,7 @@ impl Start {
             recoveries: None,
             out: PathBuf::from("out"),
             notes: Vec::new(),
-            dialogs: Arc::new(|_, _| None),
+            dialogs: Arc::new(|_, _| Ok(None)),
         }
     }
 }
@@ -130,6 +132,8 @@ pub struct App {
     refused: Option<(Refused, Wire)>,
     dialogs: Dialogs,
     dialog: Option<dialogs::Waiting>,
+    /// A path is typed, where the system has no dialogs.
+    typed: Option<typed::Typed>,
     closing: Option<dialogs::Then>,
     help: Option<help::Page>,
     preferences: settings::Preferences,
@@ -140,6 +144,7 @@ pub struct App {
     opening: Option<open::Opening>,
     wake: Arc<dyn Fn() + Send + Sync>,
     words: Option<words::Words>,
+    clicks: Clicks,
     quit: bool,
     /// What the window is called now.
     called: String,
@@ -195,6 +200,7 @@ impl App {
             refused: None,
             dialogs,
             dialog: None,
+            typed: None,
             closing: None,
             help: None,
             preferences,
@@ -205,6 +211,7 @@ impl App {
             opening: None,
             wake,
             words: None,
+            clicks: Clicks::default(),
             quit: false,
             called: String::new(),
             registry,
@@ -275,9 +282,11 @@ impl App {
         egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));
         egui::Panel::right("inspector").default_size(330.0).show(ui, |ui| self.inspect(ui));
+        // What is made deserves as much room as how it is made.
+        let half = ui.available_height() / 2.0;
         egui::Panel::top("views")
             .resizable(true)
-            .default_size(340.0)
+            .default_size(half)
             .min_size(80.0)
             .show(ui, |ui| self.views(ui));
         egui::CentralPanel::default().frame(egui::Frame::NONE).show(ui, |ui| self.graph(ui));
@@ -300,6 +309,14 @@ impl App {
         self.redraw();
         let document = self.editing.document().clone();
         let gestures = self.canvas.show(ui, &self.drawn, &self.wires, &document.layout);
+        if document.nodes.is_empty() && self.search.is_none() {
+            // Over the canvas, which lies in a layer of its own.
+            let area = egui::Area::new("empty".into()).order(egui::Order::Middle).interactable(false);
+            let area = area.pivot(egui::Align2::CENTER_CENTER).fixed_pos(self.canvas.rect().center());
+            area.show(ui.ctx(), |ui| {
+                ui.weak("Tab, or a right click, adds a node. F1 tells the keys.");
+            });
+        }
         for gesture in gestures {
             self.gesture(ui.ctx(), gesture);
         }
@@ -340,6 +357,7 @@ impl App {
             self.help = None;
         }
         self.dialog_answers(ctx);
+        self.typed_ui(ctx);
     }
 
     fn folder(&self) -> PathBuf {
@@ -403,6 +421,12 @@ impl eframe::App for App {
     fn ui(&mut self, ui: &mut egui::Ui, _: &mut eframe::Frame) {
         self.may_close(ui.ctx());
         Self::ui(self, ui);
+    }
+
+    fn raw_input_hook(&mut self, ctx: &egui::Context, input: &mut egui::RawInput) {
+        if self.clicks.part(&mut input.events) {
+            ctx.request_repaint();
+        }
     }
 
     fn on_exit(&mut self) {

@@ -48,6 +48,8 @@ impl Search {
     pub(crate) fn ui(&mut self, ctx: &egui::Context, registry: &Registry) -> Found {
         /// As many as are listed.
         const MOST: usize = 200;
+        /// How high the list may be.
+        const LIST: f32 = 320.0;
         let mut found = Found::Open;
         let matches = self.matches(registry);
         let (up, down, enter, escape) = ctx.input_mut(|input| {
@@ -76,7 +78,9 @@ impl Search {
         let opened_now = self.fresh;
         let shown = area.show(ctx, |ui| {
             egui::Frame::popup(ui.style()).show(ui, |ui| {
-                ui.set_width(320.0);
+                ui.set_width(460.0);
+                // As much as the list may take, and not what it took when it was last seen.
+                ui.set_max_height(LIST + 60.0);
                 if let Some(Loose { value_type: Some(value_type), is_output, .. }) = &self.loose {
                     ui.weak(if *is_output {
                         format!("takes a {value_type}")
@@ -92,7 +96,7 @@ impl Search {
                 if response.changed() {
                     self.chosen = 0;
                 }
-                egui::ScrollArea::vertical().max_height(320.0).show(ui, |ui| {
+                egui::ScrollArea::vertical().max_height(LIST).show(ui, |ui| {
                     for (index, spec) in matches.iter().take(MOST).enumerate() {
                         let dark = ui.visuals().dark_mode;
                         let text = egui::RichText::new(spec.id.as_ref()).color(if dark {
@@ -100,8 +104,13 @@ impl Search {
                         } else {
                             theme::family(spec.family(), true)
                         });
-                        let row =
-                            ui.selectable_label(index == self.chosen, text).on_hover_text(spec.summary());
+                        let line = ui.horizontal(|ui| {
+                            let row = ui.selectable_label(index == self.chosen, text);
+                            let summary = egui::RichText::new(spec.summary()).weak();
+                            ui.add(egui::Label::new(summary).truncate().selectable(false));
+                            row
+                        });
+                        let row = line.inner.on_hover_text(spec.summary());
                         if index == self.chosen && (up || down) {
                             row.scroll_to_me(None);
                         }

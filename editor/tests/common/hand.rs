@@ -143,7 +143,7 @@ pub(crate) fn choosing(path: &Path) -> (Dialogs, Arc<Mutex<Vec<Question>>>) {
     let (path, questions): (PathBuf, _) = (path.to_owned(), asked.clone());
     let dialogs: Dialogs = Arc::new(move |question, _| {
         questions.lock().unwrap().push(question);
-        Some(path.clone())
+        Ok(Some(path.clone()))
     });
     (dialogs, asked)
 }
