@@ -71,10 +71,10 @@ fn escape_and_a_click_elsewhere_close_the_search_and_nothing_is_added() {
 fn a_box_selects_what_it_touches_and_with_ctrl_adds_to_it() {
     let place = Place::new();
     let mut editor = open(place.start());
-    let (from, to) = (in_window(&editor, -40.0, -30.0), in_window(&editor, 320.0, 30.0));
+    let (from, to) = (in_window(&editor, -40.0, -10.0), in_window(&editor, 320.0, 30.0));
     boxed(&mut editor, NONE, from, to);
     assert_eq!(sorted(editor.state().app().selection()), ["hills", "soft"]);
-    let (from, to) = (in_window(&editor, 540.0, -30.0), in_window(&editor, 600.0, 30.0));
+    let (from, to) = (in_window(&editor, 540.0, -10.0), in_window(&editor, 600.0, 30.0));
     boxed(&mut editor, HELD_CTRL, from, to);
     assert_eq!(sorted(editor.state().app().selection()), ["hills", "shade", "soft"]);
     let pos = title(&editor, "high");

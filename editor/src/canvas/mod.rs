@@ -116,8 +116,8 @@ pub struct Canvas {
     from: Option<(String, SocketKind, usize)>,
     select: Option<HashSet<NodeId>>,
     held: Option<(Held, Vec2)>,
-    /// Heights of what nodes hold, as drawn from near.
-    heights: HashMap<String, f32>,
+    /// Heights of what nodes hold, as drawn from near, and whether a picture was among it.
+    heights: HashMap<String, (f32, bool)>,
     /// From places in the graph to places in the window, of the last frame.
     to_window: TSTransform,
     rect: Option<Rect>,
@@ -364,21 +364,24 @@ impl Canvas {
         gestures: &mut Vec<Gesture>,
         removed: &mut Vec<String>,
     ) {
-        let known = self.heights.get(&node.name).copied();
+        // A picture that came meanwhile makes the node higher.
+        let pictured = node.thumbnail.is_some();
+        let known =
+            self.heights.get(&node.name).filter(|(_, with)| *with == pictured).map(|(height, _)| *height);
         let response = Widget::from_id(node_id(&node.name))
             .inputs(node.inputs.len())
             .outputs(node.outputs.len())
             .flow(egui::Direction::LeftToRight)
             .max_width(body::WIDTH)
             .socket_color(egui::Color32::TRANSPARENT)
-            .socket_radius(5.0)
+            .socket_radius(SOCKET)
             .animation_time(0.0)
             .show_or_cull(nodes_ctx, ui, |ctx| match (self.to_window.scaling < FAR, known) {
                 (true, Some(height)) => body::from_afar(ctx, node, height),
                 _ => body::show(ctx, node),
             });
         if let Some(Body::Near(height)) = response.inner() {
-            self.heights.insert(node.name.clone(), *height);
+            self.heights.insert(node.name.clone(), (*height, pictured));
         }
         let ports = [("input", &node.inputs), ("output", &node.outputs)];
         let sockets = response.sockets();
@@ -407,6 +410,9 @@ impl Canvas {
         }
     }
 }
+
+/// How far ports reach out of their node, which is how much of them can be caught.
+const SOCKET: f32 = 6.5;
 
 /// Below this scale nobody reads what stands in a node.
 const FAR: f32 = 0.35;

@@ -8,7 +8,7 @@ use egui_graph::{
 use indexmap::IndexMap;
 use orograph_engine::document::{Bend, Link};
 
-use super::{Canvas, FAR, Gesture, NodeView, Wire, background::Held, id, node_id};
+use super::{Canvas, FAR, Gesture, NodeView, SOCKET, Wire, background::Held, id, node_id};
 use crate::theme;
 
 impl Canvas {
@@ -168,7 +168,7 @@ fn sockets(edges_ctx: &egui_graph::EdgesCtx, ui: &egui::Ui, nodes: &[NodeView]) 
         let outputs = node.outputs.iter().enumerate();
         let outputs = outputs.filter_map(|(index, port)| Some((edges_ctx.output(ui, id, index)?.0, port)));
         for (pos, port) in inputs.chain(outputs).filter(|(pos, _)| seen.contains(*pos)) {
-            ui.painter().circle_filled(pos, 5.0, theme::wire(port.value_type));
+            ui.painter().circle_filled(pos, SOCKET, theme::wire(port.value_type));
         }
     }
 }
