@@ -158,6 +158,12 @@ pub struct Left {
 }
 
 impl Left {
+    /// How long ago it was kept last, where the system can tell.
+    #[must_use]
+    pub fn age(&self) -> Option<Duration> {
+        fs::metadata(&self.place).ok()?.modified().ok()?.elapsed().ok()
+    }
+
     /// Removes the journal; without this it is found again at the next start.
     pub fn forget(self) {
         let _ = fs::remove_file(&self.place);

@@ -6,7 +6,7 @@ use orograph_engine::Document;
 
 use super::{App, Command, Question, dialogs::Then, help::Page, search::Search, words::Whose};
 use crate::{
-    app::command::ENTRIES,
+    app::command::asked_first,
     views::{self, Mode, Pane},
 };
 
@@ -36,7 +36,7 @@ impl App {
         let typing = (ctx.egui_wants_keyboard_input() && !view) || self.search.is_some();
         let mut chosen = Vec::new();
         ctx.input_mut(|input| {
-            for entry in &ENTRIES {
+            for entry in asked_first() {
                 let Some(key) = entry.shortcut() else { continue };
                 // While text is typed, plain keys are letters, and undo is the field's own.
                 let text = typing && (!key.modifiers.command || entry.menu == super::command::Menu::Edit);
@@ -164,8 +164,10 @@ impl App {
             Command::Next => self.walk(true),
             Command::Previous => self.walk(false),
             Command::Build => self.build(),
+            // What lies in front goes first.
+            Command::Stop if self.help.is_some() => self.help = None,
             Command::Stop => self.runner.stop(),
-            Command::Keys => self.help = Some(Page::keys()),
+            Command::Keys => self.help = if self.help.is_some() { None } else { Some(Page::keys()) },
             Command::Settings => self.open_settings(),
         }
     }

@@ -128,16 +128,16 @@ const fn entry(command: Command, label: &'static str, menu: Menu, key: Option<(M
     Entry { command, label, menu, key }
 }
 
-/// Every command; of those with one key, the ones with more modifiers stand first.
+/// Every command, in the order in which menus and the list of keys show them.
 pub(super) const ENTRIES: [Entry; 38] = [
     entry(Command::New, "New", Menu::File, Some((CTRL, Key::N))),
     entry(Command::Open, "Open…", Menu::File, Some((CTRL, Key::O))),
-    entry(Command::SaveAs, "Save as…", Menu::File, Some((CTRL.plus(SHIFT), Key::S))),
     entry(Command::Save, "Save", Menu::File, Some((CTRL, Key::S))),
+    entry(Command::SaveAs, "Save as…", Menu::File, Some((CTRL.plus(SHIFT), Key::S))),
     entry(Command::Settings, "Settings…", Menu::File, Some((CTRL, Key::Comma))),
     entry(Command::Quit, "Quit", Menu::File, Some((CTRL, Key::Q))),
-    entry(Command::Redo, "Redo", Menu::Edit, Some((CTRL.plus(SHIFT), Key::Z))),
     entry(Command::Undo, "Undo", Menu::Edit, Some((CTRL, Key::Z))),
+    entry(Command::Redo, "Redo", Menu::Edit, Some((CTRL.plus(SHIFT), Key::Z))),
     // These three come as events of the system, with its own keys.
     entry(Command::Cut, "Cut", Menu::Edit, None),
     entry(Command::Copy, "Copy", Menu::Edit, None),
@@ -145,16 +145,16 @@ pub(super) const ENTRIES: [Entry; 38] = [
     entry(Command::Duplicate, "Duplicate", Menu::Edit, Some((CTRL, Key::D))),
     entry(Command::Delete, "Delete", Menu::Edit, Some((NONE, Key::Delete))),
     entry(Command::Dissolve, "Delete and join wires", Menu::Edit, Some((CTRL, Key::Delete))),
-    entry(Command::SelectNone, "Select none", Menu::Edit, Some((CTRL.plus(SHIFT), Key::A))),
     entry(Command::SelectAll, "Select all", Menu::Edit, Some((CTRL, Key::A))),
+    entry(Command::SelectNone, "Select none", Menu::Edit, Some((CTRL.plus(SHIFT), Key::A))),
     entry(Command::Add, "Add node…", Menu::Node, Some((NONE, Key::Tab))),
     entry(Command::AddGraph, "Add graph as node…", Menu::Node, None),
     entry(Command::Bypass, "Bypass", Menu::Node, Some((NONE, Key::B))),
     entry(Command::Frame, "Frame", Menu::Node, Some((NONE, Key::F))),
     entry(Command::Comment, "Comment…", Menu::Node, Some((NONE, Key::C))),
     entry(Command::Bend, "Bend wires", Menu::Node, Some((NONE, Key::W))),
-    entry(Command::Expand, "Expand subgraph", Menu::Node, Some((CTRL.plus(SHIFT), Key::G))),
     entry(Command::Collapse, "Collapse into subgraph…", Menu::Node, Some((CTRL, Key::G))),
+    entry(Command::Expand, "Expand subgraph", Menu::Node, Some((CTRL.plus(SHIFT), Key::G))),
     entry(Command::AlignLeft, "Align left edges", Menu::Node, Some((NONE, Key::L))),
     entry(Command::AlignTop, "Align top edges", Menu::Node, Some((NONE, Key::T))),
     entry(Command::Arrange, "Arrange all", Menu::Node, None),
@@ -171,6 +171,12 @@ pub(super) const ENTRIES: [Entry; 38] = [
     entry(Command::Redo, "", Menu::Edit, Some((CTRL, Key::Y))),
     entry(Command::Delete, "", Menu::Edit, Some((NONE, Key::Backspace))),
 ];
+
+/// Every command in the order in which keys are given to them: one without Shift would take the key of one with it.
+pub(super) fn asked_first() -> impl Iterator<Item = &'static Entry> {
+    let shifted = |entry: &&Entry| entry.key.is_some_and(|(modifiers, _)| modifiers.shift);
+    ENTRIES.iter().filter(shifted).chain(ENTRIES.iter().filter(move |entry| !shifted(entry)))
+}
 
 impl Entry {
     /// Its key as egui has it.
@@ -206,8 +212,10 @@ mod tests {
 
     #[test]
     fn of_commands_with_one_key_the_ones_with_more_modifiers_are_asked_first() {
-        for (index, first) in ENTRIES.iter().enumerate() {
-            for later in &ENTRIES[index + 1..] {
+        let entries: Vec<_> = asked_first().collect();
+        assert_eq!(entries.len(), ENTRIES.len());
+        for (index, first) in entries.iter().enumerate() {
+            for later in &entries[index + 1..] {
                 // A key without Shift takes the one with Shift, too; Ctrl has to match.
                 if let (Some((first, a)), Some((later, b))) = (first.key, later.key)
                     && a == b

@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
-use orograph_core::ParamKind;
+use orograph_core::{ParamKind, ValueType};
 use orograph_edit::{Editing, Interfaces, Kind, OpenFile};
-use orograph_engine::Document;
+use orograph_engine::{Document, document::Node};
 
 use super::App;
 use crate::{canvas::Canvas, inspector::Inspector};
@@ -30,18 +30,29 @@ impl App {
             (pane.pinned, pane.output) = (None, None);
             pane.clear();
         }
-        // Something to look at: what the graph writes, or its last node.
+        let shown = self.worth_a_look();
+        self.canvas.select(shown);
+    }
+
+    /// The node to begin with: the last that writes a picture, else what the graph names, else its last node.
+    fn worth_a_look(&mut self) -> Option<String> {
         let document = self.editing.document().clone();
-        let last = document.outputs.values().next().map(|link| link.node.clone()).or_else(|| {
+        let writes_picture = |(name, node): &(&String, &Node)| {
+            let interface = self.interfaces.of(name, node, &document);
+            let takes =
+                interface.inputs.first().is_some_and(|port| port.value_type == Some(ValueType::Texture));
+            takes && interface.spec().is_some_and(|spec| spec.writes)
+        };
+        if let Some((name, _)) = document.nodes.iter().rev().find(writes_picture) {
+            return Some(name.clone());
+        }
+        document.outputs.values().next().map(|link| link.node.clone()).or_else(|| {
             let is_input = |name: &str| {
-                document
-                    .nodes
-                    .values()
-                    .any(|node| node.inputs.values().flatten().any(|link| link.node == name))
+                let mut wires = document.nodes.values().flat_map(|node| node.inputs.values().flatten());
+                wires.any(|link| link.node == name)
             };
             document.nodes.keys().rev().find(|name| !is_input(name)).cloned()
-        });
-        self.canvas.select(last);
+        })
     }
 
     pub(super) fn reads_files(&mut self) -> bool {

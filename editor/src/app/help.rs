@@ -35,7 +35,8 @@ impl Page {
             .open(&mut open)
             .pivot(egui::Align2::CENTER_CENTER)
             .default_pos(middle)
-            .default_width(520.0);
+            .default_width(520.0)
+            .default_height(ctx.content_rect().height() * 0.7);
         window.vscroll(true).show(ctx, |ui| match &self.content {
             Content::Node(spec) => node(ui, spec),
             Content::Keys => keys(ui),

@@ -58,9 +58,11 @@ impl App {
             for (index, left) in self.left.iter().enumerate() {
                 let path = left.recovery.path.as_ref();
                 ui.horizontal(|ui| {
-                    ui.label(
-                        path.map_or_else(|| "a graph never saved".into(), |path| path.display().to_string()),
-                    );
+                    let name =
+                        path.map_or_else(|| "a graph never saved".into(), |path| path.display().to_string());
+                    // Several that were never saved are told apart by nothing else.
+                    let age = left.age().map_or_else(String::new, |age| format!(", of {}", ago(age)));
+                    ui.label(format!("{name}{age}"));
                     if ui.button("Recover").clicked() {
                         recover = Some(index);
                     }
@@ -168,5 +170,28 @@ impl App {
                 self.editing.never_saved();
             }
         }
+    }
+}
+
+/// How long ago something was, in words.
+fn ago(age: Duration) -> String {
+    let minutes = age.as_secs() / 60;
+    let (n, unit) = match minutes {
+        0 => return "just now".into(),
+        1..60 => (minutes, "minute"),
+        60..1440 => (minutes / 60, "hour"),
+        _ => (minutes / 1440, "day"),
+    };
+    format!("{n} {unit}{} ago", if n == 1 { "" } else { "s" })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_age_is_told_in_the_largest_unit_that_it_fills() {
+        let told = [30, 60, 7199, 7200, 90_000].map(|seconds| ago(Duration::from_secs(seconds)));
+        assert_eq!(told, ["just now", "1 minute ago", "1 hour ago", "2 hours ago", "1 day ago"]);
     }
 }

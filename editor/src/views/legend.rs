@@ -8,7 +8,7 @@ use orograph_nodes::look::{
     ticks,
 };
 
-use super::numbers::with_unit;
+use super::numbers::within;
 
 /// Steps that the bar is drawn in.
 const STEPS: usize = 64;
@@ -47,7 +47,7 @@ impl Legend {
     /// Both ends in words.
     pub(super) fn words(&self) -> String {
         let sign = if self.low < 0.0 && self.high > 0.0 { "+" } else { "" };
-        let (low, high) = (with_unit(self.low, self.unit), with_unit(self.high, self.unit));
+        let [low, high] = [self.low, self.high].map(|value| within(value, self.high - self.low, self.unit));
         format!("colours from {low} to {sign}{high}")
     }
 
@@ -101,7 +101,7 @@ impl Legend {
     }
 
     fn text(&self, value: f64) -> String {
-        let text = with_unit(value, self.unit);
+        let text = within(value, self.high - self.low, self.unit);
         if self.low < 0.0 && self.high > 0.0 && value > 0.0 { format!("+{text}") } else { text }
     }
 

@@ -21,6 +21,19 @@ pub(super) fn with_unit(number: f64, unit: &str) -> String {
     }
 }
 
+/// A number of a scale with its unit: with thousandths of what the scale spans, and no finer.
+#[must_use]
+pub(super) fn within(number: f64, span: f64, unit: &str) -> String {
+    let decimals = usize::try_from((3 - exponent(span)).clamp(0, 8)).unwrap_or(0);
+    if !(1e-4..1e9).contains(&span) || number == number.trunc() {
+        return with_unit(number, unit);
+    }
+    match unit {
+        "1" | "" => written(number, decimals),
+        _ => format!("{} {unit}", written(number, decimals)),
+    }
+}
+
 /// Decimals with which every number of a column is written, so that their points stand one under another.
 #[must_use]
 pub(super) fn decimals(numbers: &[f64]) -> usize {
@@ -77,6 +90,15 @@ mod tests {
         assert_eq!(readable(f64::NAN), "void");
         assert_eq!(with_unit(2.0, "m"), "2 m");
         assert_eq!(with_unit(0.25, "1"), "0.250000");
+    }
+
+    #[test]
+    fn a_number_of_a_scale_is_no_finer_than_the_scale_shows() {
+        assert_eq!(within(-29.503, 929.5, "m"), "-29.5 m");
+        assert_eq!(within(900.0, 929.5, "m"), "900 m");
+        assert_eq!(within(1234.56, 20_000.0, "m"), "1235 m");
+        assert_eq!(within(0.25, 1.0, "1"), "0.250");
+        assert_eq!(within(5.123_456_7, 0.0, "m"), "5.12346 m", "level ground spans nothing");
     }
 
     #[test]
