@@ -88,6 +88,8 @@ pub fn nearest<'a>(name: &str, candidates: impl IntoIterator<Item = &'a str>) ->
         .filter(|candidate| candidate.len() <= LONGEST)
         .map(|candidate| (strsim::damerau_levenshtein(name, candidate), candidate))
         .filter(|(distance, candidate)| *distance <= 1 + candidate.len().max(name.len()) / 4)
+        // Of a name of one letter every other would be a slip.
+        .filter(|(distance, candidate)| *distance < candidate.len().min(name.len()))
         .min()
         .map(|(_, candidate)| candidate)
 }

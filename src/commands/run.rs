@@ -4,8 +4,9 @@ use std::sync::Arc;
 
 use orograph_core::Value;
 use orograph_engine::{
-    CancelToken, Compiled, Evaluator, Observer, Outcome, Registry, Report, Request, cache::Tier,
-    eval::Planned,
+    CancelToken, Compiled, Evaluator, Observer, Outcome, Registry, Report, Request,
+    cache::Tier,
+    eval::{OutputFolder, Planned},
 };
 use orograph_session::{Targets, memory, targets::history};
 
@@ -71,6 +72,12 @@ pub(super) fn once(
     if options.dry_run {
         tell_plan(evaluator, &request, options.json);
         return Ok(());
+    }
+    if !request.writers.is_empty() {
+        OutputFolder::new(&evaluation.out).look().map_err(|why| {
+            let message = format!("nothing can be written into {}: {why}", evaluation.out.display());
+            Failure::usage(message, "name another folder with --out")
+        })?;
     }
     let (observer, bar) = progress::observer(options.evaluation.quiet);
     let trace = options.trace.is_some().then(|| Arc::new(Trace::new(Arc::clone(&observer))));

@@ -129,7 +129,10 @@ impl Compiler<'_> {
                     value_type: input.value_type,
                 };
                 let error = document.error_at_key(&["nodes", name], unconnected.to_string());
-                let help = format!("write `inputs: {{\"{}\": \"node.output\"}}` in `{name}`", input.name);
+                let help = format!(
+                    "wire an output into it; in the file, `inputs: {{\"{}\": \"node.output\"}}` in `{name}`",
+                    input.name
+                );
                 self.report(error.help(match &self.scopes[scope].parent {
                     Some((_, outer)) if node.inputs.contains_key(&*input.name) => {
                         format!("give `{outer}` the input that it is linked to")

@@ -277,6 +277,13 @@ impl Document {
         }
         match std::str::from_utf8(bytes) {
             Ok(text) => Self::parse(text, path),
+            // Its first line would be noise, and what it is no matter of one byte.
+            Err(_) if bytes.contains(&0) => {
+                let source = SourceText::new(path, "".into());
+                Err(DocumentError::at(&source, None, "this is no text, so no graph")
+                    .help("give a graph file, such as `terrain.ron`; data are read by a graph's nodes")
+                    .into())
+            }
             Err(error) => {
                 let offset = error.valid_up_to();
                 let source = SourceText::new(path, String::from_utf8_lossy(bytes).into());

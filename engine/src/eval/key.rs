@@ -113,6 +113,20 @@ fn run_hasher(fixed: &Digest) -> Hasher {
     hasher
 }
 
+/// The error of a file that is not there, with what would mend that: where it is looked for depends on how it is named.
+fn not_there(error: Error, text: &str, path: &Path) -> Error {
+    if !matches!(error, Error::Io { .. }) || path.exists() {
+        return error;
+    }
+    let variable = text.split_once("${").and_then(|(_, rest)| rest.split(['}', ':']).next());
+    let hint = match variable {
+        Some(name) => format!("set {name} to the folder that holds it, or give the node another file"),
+        None if Path::new(text).is_absolute() => return error,
+        None => "check the path: one that is not absolute counts from the graph's folder".to_owned(),
+    };
+    Error::invalid(error.to_string(), hint)
+}
+
 /// Name and digest of the file, and of those of its companions that are there.
 fn file_key(
     node: &GraphNode,
@@ -127,7 +141,7 @@ fn file_key(
         ));
     }
     let path = node.input_path(text)?;
-    let digest = cache.file_digest(&path)?;
+    let digest = cache.file_digest(&path).map_err(|error| not_there(error, text, &path))?;
     let name = path.file_name().map_or_else(String::new, |name| Path::new(name).display().to_string());
     let mut files = vec![(name, digest)];
     files.extend(companions(node, &path, cache)?);

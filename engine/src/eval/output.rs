@@ -59,6 +59,20 @@ impl OutputFolder {
         !files.is_empty() && files.iter().all(in_place)
     }
 
+    /// Tells whether files could come to be in it, as far as that shows without writing: who waits for hours of work
+    /// wants to hear it before.
+    ///
+    /// # Errors
+    /// Why they could not, in words.
+    pub fn look(&self) -> std::result::Result<(), String> {
+        let root = std::path::absolute(&self.root).map_err(|error| error.to_string())?;
+        let Some(there) = root.ancestors().find(|folder| folder.exists()) else { return Ok(()) };
+        if !there.is_dir() {
+            return Err(format!("{} is a file, not a folder", there.display()));
+        }
+        may_write(there).map_err(|error| format!("{}: {error}", there.display()))
+    }
+
     /// Begins a file.
     ///
     /// # Errors
@@ -119,6 +133,17 @@ impl OutputFolder {
         }
         Ok(false)
     }
+}
+
+#[cfg(unix)]
+fn may_write(folder: &Path) -> io::Result<()> {
+    use rustix::fs::{Access, access};
+    Ok(access(folder, Access::WRITE_OK | Access::EXEC_OK)?)
+}
+
+#[cfg(not(unix))]
+fn may_write(_: &Path) -> io::Result<()> {
+    Ok(())
 }
 
 /// Whether a name goes down only.
