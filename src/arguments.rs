@@ -149,7 +149,7 @@ pub(crate) struct CheckOptions {
 
 #[derive(Args)]
 pub(crate) struct NodesOptions {
-    /// The node type's id
+    /// The node type's id; a part of one, or a word, lists those that it fits
     pub(crate) id: Option<String>,
     /// Print specs as JSON
     #[arg(long)]
@@ -165,7 +165,8 @@ pub(crate) struct SweepOptions {
     /// The values of one parameter: name=v1,v2,v3 or name=from..to/count; several make a grid
     #[arg(long = "param", required = true, value_name = "NAME=VALUES")]
     pub(crate) params: Vec<String>,
-    /// What to collect: pictures for the sheet, tables for the metrics; by default the named outputs
+    /// What to collect: pictures for the sheet, tables for the metrics; by default the named outputs, and where none of
+    /// them is a picture those that the graph writes
     #[arg(long = "output", value_name = "OUTPUT")]
     pub(crate) outputs: Vec<String>,
     /// Most combinations that are run

@@ -49,7 +49,7 @@ fn what_succeeded_is_kept_when_a_node_fails() {
     assert_eq!(outcome(&manifest, "w"), "skipped");
     let failed = manifest["nodes"].as_array().unwrap().iter().find(|node| node["name"] == "a").unwrap();
     assert!(failed["error"].as_str().unwrap().contains("no.tif") && failed["hint"].is_string());
-    place.ok("check g.ron").gives(&["ok"]).tells(&["warning: a.file", "no.tif"]);
+    place.ok("check g.ron").gives(&["ok"]).tells(&["warning: g.ron: a.file", "no.tif"]);
 }
 
 #[test]
@@ -76,6 +76,7 @@ fn a_wrong_command_line_ends_with_2() {
         ("run g.ron hills.terain", &["no output `hills.terain`", "did you mean `hills.terrain`?"]),
         ("run g.ron --vars none.json", &["none.json", "No such file"]),
         ("nodes generate.fmb", &["no node type `generate.fmb`", "did you mean `generate.fbm`?"]),
+        ("nodes hilshade", &["did you mean `look.hillshade`?"]),
         ("nodes zzzzzzzzzz", &["`orograph nodes` lists them all"]),
         ("cache stat --cache none", &["no cache folder"]),
         ("completions fish-and-chips", &["possible values"]),
@@ -466,4 +467,45 @@ fn settings_hold_where_neither_options_nor_the_environment_say_otherwise() {
         "`much` is no size",
         "hint: write settings",
     ]);
+}
+
+#[test]
+fn a_part_of_an_id_or_a_word_lists_the_nodes_that_it_fits() {
+    let place = Place::with(CHAIN);
+    place.ok("nodes mcmd").gives(&["mcmd.mcmd", "mcmd.sketch"]);
+    let ended = place.ok("nodes hillshade").gives(&["look.hillshade"]);
+    assert!(!ended.out.contains("mcmd."), "{ended:?}");
+    place.ok("nodes exemplar").gives(&["synthesis.synthesise"]);
+}
+
+#[test]
+fn check_warns_of_a_slip_in_a_node_that_nothing_needs() {
+    let place = Place::nodes(
+        r#""a": (node: "generate.fbm", version: 1),
+        "b": (node: "look.hilshade", version: 1, inputs: {"terrain": "a.terrain"}),"#,
+    );
+    let told = ["warning: g.ron:", "no node type `look.hilshade`", "nothing needs it", "`look.hillshade`?"];
+    place.ok("check g.ron").gives(&["2 nodes, ok"]).tells(&told);
+}
+
+#[test]
+fn where_a_missing_file_is_looked_for_is_told() {
+    let reading = |file: &str| {
+        Place::nodes(&format!(
+            r#""a": (node: "io.read_dem", version: 1, params: (file: "{file}")),
+            "w": (node: "io.write_geotiff", version: 1, inputs: {{"terrain": "a.terrain"}}),"#
+        ))
+    };
+    reading("no.tif").run("run g.ron").code(1).tells(&["No such file", "counts from the graph's folder"]);
+    let hint = "set OROGRAPH_NOWHERE to the folder that holds it";
+    reading("${OROGRAPH_NOWHERE:-..}/no.tif").run("run g.ron").code(1).tells(&["No such file", hint]);
+}
+
+#[test]
+fn data_are_no_graph() {
+    let place = Place::with(CHAIN);
+    std::fs::write(place.path("terrain.tif"), b"II*\0\x08\0\0\0\xff\xfe").unwrap();
+    let ended =
+        place.run("run terrain.tif").code(2).tells(&["terrain.tif", "no text, so no graph", "hint: "]);
+    assert!(!ended.err.contains('\0'), "{ended:?}");
 }

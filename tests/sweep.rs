@@ -94,3 +94,15 @@ fn a_combination_that_fails_leaves_the_others() {
     assert!(rows[1][highest].parse::<f64>().is_ok() && rows[2][highest].parse::<f64>().is_err(), "{rows:?}");
     assert!(place.path("out/sweep-ground.png").is_file());
 }
+
+#[test]
+fn a_graph_that_names_no_picture_is_swept_by_those_that_it_writes() {
+    let place = Place::nodes(
+        r#""hills": (node: "generate.fbm", version: 1, params: (cells: 16)),
+        "shade": (node: "look.hillshade", version: 1, inputs: {"terrain": "hills.terrain"}),
+        "write": (node: "io.write_texture", version: 1, inputs: {"texture": "shade.picture"}),"#,
+    );
+    place
+        .ok("sweep g.ron --param hills.seed=1,2 --thumbnail 64")
+        .gives(&["sweep-shade-picture.png", "sweep.csv"]);
+}

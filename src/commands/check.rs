@@ -1,6 +1,8 @@
 //! `orograph check`: everything that can be known of a graph without running it.
 
-use orograph_engine::{Compiled, document::GRAPH};
+use std::path::Path;
+
+use orograph_engine::{Compiled, NodeId, document::GRAPH};
 use orograph_session::targets::refuse_missing;
 
 use crate::{
@@ -19,7 +21,8 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
             .and_then(|compiled| needs_nothing_missing(&compiled).map(|()| compiled));
         match checked {
             Ok(compiled) => {
-                warn_of_files(&compiled);
+                warn_of_files(graph, &compiled);
+                warn_of_placeholders(&compiled);
                 console::result(&format!("{}: {} nodes, ok", graph.display(), compiled.graph.nodes().len()));
             }
             // Every graph is looked at; the first failure ends the command.
@@ -38,26 +41,36 @@ pub(crate) fn run(options: &CheckOptions) -> Result<(), Failure> {
 /// be a node of others are none of them.
 fn needs_nothing_missing(compiled: &Compiled) -> Result<(), Failure> {
     let named = compiled.outputs.values().map(|output| output.node);
-    let is_outer_input = |name: &str| name.split('.').next() == Some(GRAPH);
     Ok(refuse_missing(compiled, compiled.graph.writers().chain(named), is_outer_input)?)
 }
 
+fn is_outer_input(name: &str) -> bool {
+    name.split('.').next() == Some(GRAPH)
+}
+
 /// A file to read may be made later, so its absence is worth a word and no more.
-fn warn_of_files(compiled: &Compiled) {
+fn warn_of_files(graph: &Path, compiled: &Compiled) {
+    let warn = |node: &str, param: &str, what: &str| {
+        console::note(&format!("warning: {}: {node}.{param}: {what}", graph.display()));
+    };
     for node in compiled.graph.nodes() {
         for (param, text) in node.input_files() {
             match node.input_path(text) {
                 Ok(path) if !path.is_file() => {
-                    console::note(&format!(
-                        "warning: {}.{}: there is no file {}",
-                        node.name,
-                        param.name,
-                        path.display()
-                    ));
+                    warn(&node.name, &param.name, &format!("there is no file {}", path.display()));
                 }
                 Ok(_) => {}
-                Err(error) => console::note(&format!("warning: {}.{}: {error}", node.name, param.name)),
+                Err(error) => warn(&node.name, &param.name, &error.to_string()),
             }
         }
+    }
+}
+
+/// A node of unknown type that nothing needs stops no run, and is a slip all the same.
+fn warn_of_placeholders(compiled: &Compiled) {
+    let within = |id: &NodeId| !is_outer_input(&compiled.graph.node(*id).name);
+    for (_, error) in compiled.missing.iter().filter(|(id, _)| within(id)) {
+        console::note(&format!("warning: {error}; nothing needs it"));
+        console::hint(error.help_text().unwrap_or_default());
     }
 }

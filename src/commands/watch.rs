@@ -48,8 +48,9 @@ pub(crate) fn run(options: &RunOptions) -> Result<(), Failure> {
         if !options.evaluation.quiet {
             console::note("watching; Ctrl-C ends it");
         }
-        if !watch.wait(&cancel) {
-            return Ok(());
+        let Some(changed) = watch.wait(&cancel) else { return Ok(()) };
+        if !options.evaluation.quiet {
+            console::note(&format!("{} changed", changed.display()));
         }
     }
 }
@@ -97,28 +98,40 @@ impl Watch {
         self.watched = wanted;
     }
 
-    /// Waits for a change of something that is followed, and for its end; `false` when the user ends it.
-    fn wait(&self, cancel: &CancelToken) -> bool {
-        let mut changed = false;
+    /// Waits for a change of something that is followed, and for its end; what changed first, or `None` when the user
+    /// ends it.
+    fn wait(&self, cancel: &CancelToken) -> Option<PathBuf> {
+        let mut changed = None;
         let mut quiet = Duration::ZERO;
         while !cancel.is_cancelled() {
             match self.events.recv_timeout(LOOK) {
-                Ok(event) if event.as_ref().is_ok_and(|event| !self.concerns(event)) => {}
-                Ok(_) => (changed, quiet) = (true, Duration::ZERO),
+                Ok(Ok(event)) => {
+                    if let Some(path) = self.concerned(&event) {
+                        quiet = Duration::ZERO;
+                        changed.get_or_insert_with(|| path.clone());
+                    }
+                }
+                // Something may have been missed.
+                Ok(Err(error)) => {
+                    quiet = Duration::ZERO;
+                    changed
+                        .get_or_insert_with(|| error.paths.into_iter().next().unwrap_or_else(|| ".".into()));
+                }
                 Err(RecvTimeoutError::Timeout) => quiet += LOOK,
-                Err(RecvTimeoutError::Disconnected) => return false,
+                Err(RecvTimeoutError::Disconnected) => return None,
             }
-            if changed && quiet >= SETTLED {
-                return true;
+            if changed.is_some() && quiet >= SETTLED {
+                return changed;
             }
         }
-        false
+        None
     }
 
-    fn concerns(&self, event: &Event) -> bool {
+    /// What is followed of the things that changed.
+    fn concerned<'e>(&self, event: &'e Event) -> Option<&'e PathBuf> {
         let concerns = |path: &PathBuf| {
             self.files.contains(path) || path.parent().is_some_and(|folder| self.folders.contains(folder))
         };
-        !event.kind.is_access() && event.paths.iter().any(concerns)
+        event.paths.iter().filter(|_| !event.kind.is_access()).find(|path| concerns(path))
     }
 }

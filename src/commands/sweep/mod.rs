@@ -5,10 +5,12 @@
 mod sheet;
 mod values;
 
-use std::sync::Arc;
+use std::{collections::BTreeSet, sync::Arc};
 
 use orograph_core::{Cells, Column, NodeType, ParamValue, Params, Table, Unit, Value, ValueType};
-use orograph_engine::{Document, GraphBuilder, GraphError, NodeId, OutputRef, Registry, Report, Request};
+use orograph_engine::{
+    Compiled, Document, GraphBuilder, GraphError, NodeId, OutputRef, Registry, Report, Request,
+};
 use orograph_nodes::look::{colour_relief::ColourRelief, contact_sheet::ContactSheet};
 use orograph_session::targets::refuse_missing;
 
@@ -91,11 +93,10 @@ fn merge(
     let mut cells = Vec::new();
     for combination in combinations {
         let compiled = session::compile_with(document, &options.settings, combination, registry)?;
-        let all = || compiled.outputs.keys().cloned().collect();
-        let names: Vec<String> = if options.outputs.is_empty() { all() } else { options.outputs.clone() };
+        let names = if options.outputs.is_empty() { usual(&compiled) } else { options.outputs.clone() };
         if names.is_empty() {
             return Err(Failure::usage(
-                "the graph names no outputs",
+                "the graph names no outputs and writes no pictures",
                 "name what to collect with --output node.port, or give the graph `outputs`",
             ));
         }
@@ -114,6 +115,28 @@ fn merge(
         cells.push(row);
     }
     Ok(Merged { builder, cells })
+}
+
+/// What is collected where nothing was asked for: the named outputs; where none of them is seen, the pictures that the
+/// graph writes as well.
+fn usual(compiled: &Compiled) -> Vec<String> {
+    let mut names: Vec<String> = compiled.outputs.keys().cloned().collect();
+    let seen = |value_type| matches!(value_type, Some(ValueType::Texture | ValueType::Heightfield));
+    if compiled.outputs.values().any(|output| seen(compiled.graph.value_type(*output))) {
+        return names;
+    }
+    let mut pictures = BTreeSet::new();
+    for writer in compiled.graph.writers() {
+        for output in compiled.graph.node(writer).inputs.iter().flatten() {
+            let source = compiled.graph.node(output.node);
+            let port = source.spec().and_then(|spec| spec.outputs.get(output.output as usize));
+            if let Some(port) = port.filter(|port| port.value_type == ValueType::Texture) {
+                pictures.insert(format!("{}.{}", source.name, port.name));
+            }
+        }
+    }
+    names.extend(pictures);
+    names
 }
 
 /// Turns rasters into small pictures, so that a large sweep does not hold large ones.
