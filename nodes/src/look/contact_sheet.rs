@@ -9,11 +9,14 @@ use super::{
 use crate::measure::append::split_list;
 
 const HAIRLINE: Colour = [196, 200, 206, 255];
+/// Widest sheet whose labels have the font's own size. Pages show sheets 700 pixels wide or wider, and there the letters of
+/// any sheet are then at least 11 pixels high.
+const PAGE: i64 = 820;
 
 /// Arranges pictures in rows and columns with labels beneath.
 ///
-/// Each picture is scaled by area to fit its place, with its proportions kept. The sheet has no place in
-/// the world.
+/// Each picture is scaled by area to fit its place, with its proportions kept. Labels are the larger the wider the sheet is,
+/// so that they can be read when it is shown small; long ones take several lines. The sheet has no place in the world.
 #[derive(Params, Clone, Debug)]
 pub struct ContactSheet {
     /// Labels of the pictures, in order, separated by `;` or line ends.
@@ -49,7 +52,7 @@ pub struct ContactSheetOut {
 
 impl Node for ContactSheet {
     const ID: &'static str = "look.contact_sheet";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 sizes labels by the sheet, and breaks long ones
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = ContactSheetIn<'a>;
     type Outputs = ContactSheetOut;
@@ -71,14 +74,19 @@ impl Node for ContactSheet {
         let place = sizes.iter().fold((1, 1), |most, size| (most.0.max(size.0), most.1.max(size.1)));
 
         let gap = i64::from(self.spacing);
-        // Large pictures are looked at from further away.
-        let scale = (self.size / 600).max(1);
-        let (plain, bold) = (Type::plain(scale), Type::bold(scale));
-        let s = i64::from(scale);
-        let caption = if labels.is_empty() { 0 } else { plain.height() + 8 * s };
+        let wide = place.0 as i64 + gap;
+        let width = gap + columns * wide;
+        let s = (width + PAGE - 1) / PAGE;
+        let (plain, bold) = (Type::plain(s as u32), Type::bold(s as u32));
+        let labels: Vec<_> =
+            labels.iter().take(pictures.len()).map(|label| lines_of(label, plain, place.0 as i64)).collect();
+        let caption = match labels.iter().map(Vec::len).max() {
+            Some(lines) => lines as i64 * plain.height() + 8 * s,
+            None => 0,
+        };
         let head = if self.title.is_empty() { 0 } else { bold.height() + 12 * s };
-        let (wide, high) = (place.0 as i64 + gap, place.1 as i64 + caption + gap);
-        let mut canvas = Canvas::new(gap + columns * wide, gap + head + rows * high, PAPER, job)?;
+        let high = place.1 as i64 + caption + gap;
+        let mut canvas = Canvas::new(width, gap + head + rows * high, PAPER, job)?;
         canvas.text(&self.title, gap, gap + bold.height() / 2, Anchor::Left, bold, INK);
         for (i, (picture, size)) in pictures.iter().zip(sizes).enumerate() {
             job.check()?;
@@ -88,11 +96,10 @@ impl Node for ContactSheet {
             let y = top + (place.1 as i64 - size.1 as i64) / 2;
             canvas.paste(&scaled(picture, size, job)?, x, y);
             canvas.frame(x - 1, y - 1, size.0 as i64 + 2, size.1 as i64 + 2, HAIRLINE);
-            if let Some(label) = labels.get(i) {
-                let label = plain.fit(label, place.0 as i64);
-                let middle = left + place.0 as i64 / 2;
-                let below = top + place.1 as i64 + 4 * s + plain.height() / 2;
-                canvas.text(label, middle, below, Anchor::Middle, plain, INK);
+            let middle = left + place.0 as i64 / 2;
+            let below = top + place.1 as i64 + 4 * s + plain.height() / 2;
+            for (line, text) in labels.get(i).into_iter().flatten().enumerate() {
+                canvas.text(text, middle, below + line as i64 * plain.height(), Anchor::Middle, plain, INK);
             }
         }
         Ok(ContactSheetOut { picture: canvas.into_picture() })
@@ -106,6 +113,25 @@ impl ContactSheet {
         let scale = f64::from(self.size) / rows.max(cols) as f64;
         let side = |pixels: usize| ((pixels as f64 * scale).round() as usize).max(1);
         (side(cols), side(rows))
+    }
+}
+
+/// A label in lines of at most `width` pixels, broken between words, and within a word that is longer than a line.
+fn lines_of(label: &str, face: Type, width: i64) -> Vec<&str> {
+    let mut lines = Vec::new();
+    let mut rest = label;
+    loop {
+        let line = face.fit(rest, width);
+        if line.len() == rest.len() || line.is_empty() {
+            lines.push(line);
+            return lines;
+        }
+        // A space just behind the line ends a word, too.
+        let words = rest.get(..=line.len()).unwrap_or(line);
+        let end = words.rfind(' ').filter(|&end| end > 0).unwrap_or(line.len());
+        let (line, more) = rest.split_at(end);
+        lines.push(line.trim_end());
+        rest = more.trim_start();
     }
 }
 
@@ -190,6 +216,34 @@ mod tests {
         assert_eq!(sheet.grid().size(), (10 + 2 * 50, 10 + 2 * 50));
         assert_eq!((sheet.at(30, 30), sheet.at(30, 80), sheet.at(80, 30)), (red, blue, red));
         assert_eq!((sheet.at(80, 80), sheet.at(30, 15)), (PAPER, PAPER));
+    }
+
+    #[test]
+    fn labels_grow_with_the_sheet() {
+        let (job, white) = (Job::detached(), picture(30, 30, [255; 4]));
+        for (size, columns) in [(100, 3), (400, 2), (400, 3), (512, 3), (512, 4), (1200, 1)] {
+            let node = ContactSheet { size, columns, labels: "I".into(), ..ContactSheet::default() };
+            let sheet = node.run(ContactSheetIn { pictures: vec![&white; columns as usize] }, &job);
+            let sheet = sheet.unwrap().picture;
+            let of_the_label = |row: &usize| sheet.row(*row).contains(&INK);
+            let letter = (0..sheet.rows()).filter(of_the_label).count() as f64;
+            // A capital has 9 of the font's 13 rows.
+            let shown = letter * 13.0 / 9.0 * (700.0 / sheet.cols() as f64).min(1.0);
+            assert!((11.0..=23.0).contains(&shown), "{shown} px for {columns} × {size}");
+        }
+    }
+
+    #[test]
+    fn long_labels_take_several_lines() {
+        let face = Type::plain(1);
+        let lines = |label, letters: i64| lines_of(label, face, 7 * letters);
+        assert_eq!(lines("The seam removed", 16), ["The seam removed"]);
+        assert_eq!(lines("The seam removed", 15), ["The seam", "removed"]);
+        assert_eq!(lines("The seam removed", 8), ["The seam", "removed"]);
+        assert_eq!(lines("The seam removed", 7), ["The", "seam", "removed"]);
+        assert_eq!(lines("ridgelines", 4), ["ridg", "elin", "es"]);
+        assert_eq!(lines("über Höhen", 5), ["über", "Höhen"]);
+        assert_eq!((lines("", 4), lines("none", 0)), (vec![""], vec![""]));
     }
 
     #[test]

@@ -8,7 +8,7 @@ pub mod picture;
 pub mod portrait;
 pub mod verdict;
 
-use orograph_core::{Placement, prelude::*};
+use orograph_core::{ParamValue, Placement, prelude::*};
 
 use picture::Side;
 use portrait::Portrait;
@@ -36,7 +36,7 @@ pub struct Realism {
     #[param(default = "exemplar")]
     pub exemplar_label: String,
     /// Longer side of each terrain in the picture.
-    #[param(default = 480u32, range = 240..=4096, slider = 320..=1200, unit = "px")]
+    #[param(default = 480u32, range = 320..=4096, slider = 320..=1200, unit = "px")]
     pub size: u32,
 }
 
@@ -62,13 +62,20 @@ pub struct RealismOut {
 
 impl Node for Realism {
     const ID: &'static str = "measure.realism";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 draws no picture so small that its texts overlap
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = RealismIn<'a>;
     type Outputs = RealismOut;
 
     fn cost(&self) -> f64 {
         1000.0
+    }
+
+    fn upgrade(params: &mut RawParams, _from: u32) -> Result<()> {
+        if let Some(ParamValue::Integer(size)) = params.0.get_mut("size") {
+            *size = (*size).max(320);
+        }
+        Ok(())
     }
 
     fn run(&self, inputs: RealismIn<'_>, job: &Job) -> Result<RealismOut> {
@@ -172,5 +179,18 @@ mod tests {
         assert!(met.iter().all(|met| met != "no"), "{met:?}");
         assert!(numbers(&report, "value")[..12].iter().all(|&value| value == 0.0 || value.is_nan()));
         assert!(numbers(&report, "halves")[0] > 0.0);
+    }
+
+    #[test]
+    fn older_graphs_get_a_picture_that_can_be_read() {
+        let lifted = |size| {
+            let mut params = RawParams([("size".to_owned(), ParamValue::Integer(size))].into());
+            Realism::upgrade(&mut params, 1).unwrap();
+            params.0.remove("size")
+        };
+        assert_eq!(
+            (lifted(240), lifted(700)),
+            (Some(ParamValue::Integer(320)), Some(ParamValue::Integer(700)))
+        );
     }
 }

@@ -43,7 +43,8 @@ pub fn draw(sides: [Side<'_>; 2], lines: &[Verdict], size: u32, job: &Job) -> Re
     let (gap, wide) = (12 * s, i64::from(size));
     let shades = [shade(sides[0].terrain, size, job)?, shade(sides[1].terrain, size, job)?];
     let high = shades.iter().map(|shade| shade.rows() as i64).max().unwrap_or(0);
-    let chart = u32::try_from(wide * 5 / 8).unwrap_or(1);
+    // Flatter charts would cut off what their axes say.
+    let chart = u32::try_from((wide * 5 / 8).max(300 * s)).unwrap_or(1);
     let (head, line) = (bold.height() + 8 * s, face.height() + 5 * s);
     let top_of_charts = gap + head + high + gap;
     let top_of_lines = top_of_charts + 2 * (i64::from(chart) + gap);
