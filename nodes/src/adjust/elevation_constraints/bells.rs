@@ -49,11 +49,7 @@ pub(super) fn bells(grid: &Grid, sites: &[Site], reach: f64, job: &Job<'_>) -> R
             sum.add_to_row(row as f64 * y, x, change);
             Ok(())
         })?;
-        left.par_iter_mut().zip(&places).with_min_len(256).try_for_each(|(left, &place)| {
-            job.check()?;
-            *left -= sum.at(place);
-            Ok(())
-        })?;
+        left.iter_mut().zip(sites).for_each(|(left, site)| *left = site.change - change[site.cell]);
         radius /= 2.0;
     }
     Ok((change, left))
@@ -61,44 +57,74 @@ pub(super) fn bells(grid: &Grid, sites: &[Site], reach: f64, job: &Job<'_>) -> R
 
 /// Indices of places no nearer to each other than `spacing`, ascending, and for each place which of them is nearest.
 fn thin(places: &[[f64; 2]], spacing: f64, job: &Job<'_>) -> Result<(Vec<u32>, Vec<u32>)> {
-    const NONE: u32 = u32::MAX;
-    let bin = |at: f64| (at / spacing) as usize;
-    let far = |k: usize| places.iter().map(|place| bin(place[k])).max().unwrap_or(0);
-    let (cols, rows) = (far(0) + 1, far(1) + 1);
-    job.admit((rows as u64).saturating_mul(cols as u64).saturating_mul(4), || "bins of sites".into())?;
-    // Seeds by the square that they lie in: a list for each, by its first seed and each seed's next.
-    let mut first = vec![NONE; rows * cols];
-    let (mut next, mut seeds): (Vec<u32>, Vec<u32>) = (Vec::new(), Vec::new());
-    let closest = |first: &[u32], next: &[u32], seeds: &[u32], [x, y]: [f64; 2]| {
-        let (col, row) = (bin(x), bin(y));
-        let mut best = (f64::INFINITY, NONE);
-        for row in row.saturating_sub(1)..=(row + 1).min(rows - 1) {
-            for col in col.saturating_sub(1)..=(col + 1).min(cols - 1) {
-                let mut seed = first[row * cols + col];
-                while seed != NONE {
-                    let place = places[seeds[seed as usize] as usize];
-                    let far = (place[0] - x) * (place[0] - x) + (place[1] - y) * (place[1] - y);
-                    if far < best.0 || far == best.0 && seed < best.1 {
-                        best = (far, seed);
-                    }
-                    seed = next[seed as usize];
-                }
-            }
-        }
-        best
-    };
-    for (i, &place) in places.iter().enumerate() {
+    let mut seeds = Seeds::none(places, spacing, job)?;
+    for i in 0..places.len() {
         if i.is_multiple_of(1 << 12) {
             job.check()?;
         }
-        if closest(&first, &next, &seeds, place).0 >= spacing * spacing {
-            let bin = bin(place[1]) * cols + bin(place[0]);
-            next.push(std::mem::replace(&mut first[bin], seeds.len() as u32));
-            seeds.push(i as u32);
+        if !seeds.around(places[i]).any(|(far, _)| far < spacing * spacing) {
+            seeds.plant(i as u32);
         }
     }
-    let nearest = places.par_iter().map(|&place| closest(&first, &next, &seeds, place).1).collect();
-    Ok((seeds, nearest))
+    let nearest = |&place: &[f64; 2]| {
+        let least = |best: (f64, u32), seed: (f64, u32)| {
+            if seed.0 < best.0 || seed.0 == best.0 && seed.1 < best.1 { seed } else { best }
+        };
+        seeds.around(place).fold((f64::INFINITY, Seeds::NONE), least).1
+    };
+    let nearest = places.par_iter().with_min_len(1024).map(nearest).collect();
+    Ok((seeds.planted, nearest))
+}
+
+/// Some of the places, by the square of the plane that they lie in: a list for each square, by its first seed and each
+/// seed's next.
+struct Seeds<'a> {
+    places: &'a [[f64; 2]],
+    spacing: f64,
+    rows: usize,
+    cols: usize,
+    first: Vec<u32>,
+    next: Vec<u32>,
+    planted: Vec<u32>,
+}
+
+impl<'a> Seeds<'a> {
+    const NONE: u32 = u32::MAX;
+
+    fn none(places: &'a [[f64; 2]], spacing: f64, job: &Job<'_>) -> Result<Self> {
+        let far = |k: usize| places.iter().map(|place| place[k]).fold(0.0, f64::max);
+        let [cols, rows] = [0, 1].map(|k| (far(k) / spacing) as usize + 1);
+        job.admit((rows as u64).saturating_mul(cols as u64).saturating_mul(4), || "bins of sites".into())?;
+        let first = vec![Self::NONE; rows * cols];
+        Ok(Self { places, spacing, rows, cols, first, next: Vec::new(), planted: Vec::new() })
+    }
+
+    fn square(&self, [x, y]: [f64; 2]) -> [usize; 2] {
+        [(y / self.spacing) as usize, (x / self.spacing) as usize]
+    }
+
+    fn plant(&mut self, place: u32) {
+        let [row, col] = self.square(self.places[place as usize]);
+        let head = &mut self.first[row * self.cols + col];
+        self.next.push(std::mem::replace(head, self.planted.len() as u32));
+        self.planted.push(place);
+    }
+
+    /// The squared distance and number of each seed in the nine squares around a place.
+    fn around(&self, place: [f64; 2]) -> impl Iterator<Item = (f64, u32)> + '_ {
+        let [row, col] = self.square(place);
+        let cols = col.saturating_sub(1)..(col + 2).min(self.cols);
+        let squares = (row.saturating_sub(1)..(row + 2).min(self.rows))
+            .flat_map(move |row| cols.clone().map(move |col| row * self.cols + col));
+        let seed = |head: u32| (head != Self::NONE).then_some(head);
+        let lists = squares.flat_map(move |square| {
+            std::iter::successors(seed(self.first[square]), move |&last| seed(self.next[last as usize]))
+        });
+        lists.map(move |seed| {
+            let [x, y] = self.places[self.planted[seed as usize] as usize];
+            ((x - place[0]) * (x - place[0]) + (y - place[1]) * (y - place[1]), seed)
+        })
+    }
 }
 
 /// Wendland's function of the squared distance over the squared radius, 1 at 0 and 0 from 1 on.
@@ -110,17 +136,16 @@ fn bell(square: f64) -> f64 {
 
 /// The weights with which bells at the centres add up to what is wanted there, by conjugate gradients.
 fn weights(centres: &[[f64; 2]], radius: f64, wanted: &[f64], job: &Job<'_>) -> Result<Vec<f64>> {
-    let unit = vec![1.0; centres.len()];
-    let all = Sum { centres, weights: &unit, radius };
     // As no two centres are near, each meets few others, however many there are.
+    let squares = Squares::of(centres, radius);
     let rows: Vec<Vec<(u32, f64)>> = centres
         .par_iter()
         .map(|&[x, y]| {
             job.check()?;
-            let near = all.band(y).filter_map(|other| {
-                let [ox, oy] = centres[other];
+            let near = squares.around([x, y]).filter_map(|other| {
+                let [ox, oy] = centres[other as usize];
                 let square = ((ox - x) * (ox - x) + (oy - y) * (oy - y)) / (radius * radius);
-                (square < 1.0).then(|| (other as u32, bell(square)))
+                (square < 1.0).then(|| (other, bell(square)))
             });
             Ok(near.collect())
         })
@@ -149,6 +174,54 @@ fn weights(centres: &[[f64; 2]], radius: f64, wanted: &[f64], job: &Job<'_>) -> 
     Ok(weights)
 }
 
+/// Places by the square of the plane that they lie in.
+struct Squares {
+    side: f64,
+    rows: usize,
+    cols: usize,
+    /// Where each square's places begin in `members`; one more than there are squares.
+    starts: Vec<u32>,
+    members: Vec<u32>,
+}
+
+impl Squares {
+    /// Squares of the given side, or wider ones where they would be more than places.
+    fn of(places: &[[f64; 2]], side: f64) -> Self {
+        let far = |axis: usize| places.iter().map(|place| place[axis]).fold(0.0, f64::max);
+        let (width, height) = (far(0), far(1));
+        let most = (places.len() as f64).sqrt().ceil();
+        let side = side.max(width.max(height) / most);
+        let at = |along: f64| (along / side) as usize;
+        let (rows, cols) = (at(height) + 1, at(width) + 1);
+        let square = |[x, y]: [f64; 2]| at(y) * cols + at(x);
+        let mut starts = vec![0; rows * cols + 1];
+        places.iter().for_each(|&place| starts[square(place) + 1] += 1);
+        (1..starts.len()).for_each(|i| starts[i] += starts[i - 1]);
+        let mut free = starts.clone();
+        let mut members = vec![0; places.len()];
+        for (i, &place) in (0..).zip(places) {
+            let slot = &mut free[square(place)];
+            members[*slot as usize] = i;
+            *slot += 1;
+        }
+        Self { side, rows, cols, starts, members }
+    }
+
+    /// All places in the nine squares around one, so at least those within a square's side of it.
+    fn around(&self, [x, y]: [f64; 2]) -> impl Iterator<Item = u32> + '_ {
+        let near = |along: f64, count: usize| {
+            let at = (along / self.side) as usize;
+            at.saturating_sub(1)..(at + 2).min(count)
+        };
+        let cols = near(x, self.cols);
+        near(y, self.rows).flat_map(move |row| {
+            let first = self.starts[row * self.cols + cols.start] as usize;
+            let end = self.starts[row * self.cols + cols.end] as usize;
+            self.members[first..end].iter().copied()
+        })
+    }
+}
+
 /// Bells of one radius; centres ascend in y.
 struct Sum<'a> {
     centres: &'a [[f64; 2]],
@@ -162,15 +235,6 @@ impl Sum<'_> {
         let start = self.centres.partition_point(|centre| centre[1] < y - self.radius);
         let end = self.centres.partition_point(|centre| centre[1] <= y + self.radius);
         start..end
-    }
-
-    fn at(&self, [x, y]: [f64; 2]) -> f64 {
-        let scale = 1.0 / (self.radius * self.radius);
-        let part = |i: usize| {
-            let [cx, cy] = self.centres[i];
-            self.weights[i] * bell(((cx - x) * (cx - x) + (cy - y) * (cy - y)) * scale)
-        };
-        self.band(y).map(part).sum()
     }
 
     fn add_to_row(&self, y: f64, step: f64, row: &mut [f64]) {
