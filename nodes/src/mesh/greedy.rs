@@ -38,35 +38,30 @@ struct Miss {
     place: Place,
 }
 
-/// A triangle in the heap. It is out of date once the triangle misses another cell worst.
-#[derive(Clone, Copy)]
-struct Entry {
-    miss: Miss,
-    triangle: u32,
-}
+/// A triangle in the heap and its worst cell; out of date once the triangle misses another cell worst. As one number
+/// the greatest goes first: the error, then the cell first in rows and columns, then the first triangle.
+#[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
+struct Entry(u128);
+
+/// Bits for the number of a cell, and of a triangle. The 63 bits of an error that is not negative are left above them.
+const CELL_BITS: u32 = 34;
+const TRIANGLE_BITS: u32 = 31;
+/// Cells and triangles that can be told apart.
+const MOST_CELLS: u64 = 1 << CELL_BITS;
+const MOST_TRIANGLES: u64 = 1 << TRIANGLE_BITS;
 
 impl Entry {
-    fn key(&self) -> (Reverse<Place>, Reverse<u32>) {
-        (Reverse(self.miss.place), Reverse(self.triangle))
+    fn new(miss: Miss, triangle: u32, cols: usize) -> Self {
+        let cell = miss.place[0] as u64 * cols as u64 + miss.place[1] as u64;
+        let first = (MOST_CELLS - 1 - cell) << TRIANGLE_BITS | (MOST_TRIANGLES - 1 - u64::from(triangle));
+        Self(u128::from(miss.error.to_bits()) << (CELL_BITS + TRIANGLE_BITS) | u128::from(first))
     }
-}
 
-impl Ord for Entry {
-    fn cmp(&self, other: &Self) -> Ordering {
-        self.miss.error.total_cmp(&other.miss.error).then_with(|| self.key().cmp(&other.key()))
+    fn triangle(self) -> u32 {
+        let from_last = self.0 as u64 & (MOST_TRIANGLES - 1);
+        (MOST_TRIANGLES - 1 - from_last) as u32
     }
 }
-impl PartialOrd for Entry {
-    fn partial_cmp(&self, other: &Self) -> Option<Ordering> {
-        Some(self.cmp(other))
-    }
-}
-impl PartialEq for Entry {
-    fn eq(&self, other: &Self) -> bool {
-        self.cmp(other) == Ordering::Equal
-    }
-}
-impl Eq for Entry {}
 
 /// Bytes for each corner of what is kept here: two triangles, their worst cells, places in the heap.
 const BYTES_PER_CORNER: u64 = 192;
@@ -78,9 +73,15 @@ const MANY_CELLS: i64 = 1 << 15;
 /// Approximates a terrain of two rows and columns at least.
 ///
 /// # Errors
-/// [`Error::TooLarge`]; [`Error::Cancelled`].
+/// [`Error::Invalid`] for more cells than can be told apart; [`Error::TooLarge`]; [`Error::Cancelled`].
 pub(super) fn approximate(terrain: &Heightfield, limits: Limits, job: &Job) -> Result<Approximation> {
     let grid = terrain.grid();
+    if grid.len() as u64 > MOST_CELLS {
+        return Err(Error::invalid(
+            format!("{} × {} cells are too many to triangulate at once", grid.rows, grid.cols),
+            "cut the terrain into pieces with transform.crop",
+        ));
+    }
     let mut triangles = Delaunay::new(grid.rows as i32, grid.cols as i32, grid.cell);
     insert_borders(terrain, &mut triangles, job)?;
     let mut misses: Vec<Miss> = (0..triangles.len() as u32)
@@ -93,13 +94,15 @@ pub(super) fn approximate(terrain: &Heightfield, limits: Limits, job: &Job) -> R
     let mut heap: BinaryHeap<Entry> = (0..)
         .zip(&misses)
         .filter(|(_, miss)| miss.error > limits.error)
-        .map(|(triangle, &miss)| Entry { miss, triangle })
+        .map(|(triangle, &miss)| Entry::new(miss, triangle, grid.cols))
         .collect();
     let mut admitted = admit(0, triangles.places.len(), job)?;
     let (mut around, mut again) = (Vec::new(), Vec::new());
     let (mut patience, mut reported) = (PATIENCE, 0.0_f64);
-    while let Some(Entry { miss, triangle }) = heap.pop() {
-        if misses[triangle as usize] != miss {
+    while let Some(entry) = heap.pop() {
+        let triangle = entry.triangle();
+        let miss = misses[triangle as usize];
+        if entry != Entry::new(miss, triangle, grid.cols) {
             continue;
         }
         // A new corner brings two triangles, at the rim one.
@@ -116,7 +119,7 @@ pub(super) fn approximate(terrain: &Heightfield, limits: Limits, job: &Job) -> R
         for (&triangle, &miss) in around.iter().zip(&again) {
             misses[triangle as usize] = miss;
             if miss.error > limits.error {
-                heap.push(Entry { miss, triangle });
+                heap.push(Entry::new(miss, triangle, grid.cols));
             }
         }
         patience -= cells + 64;

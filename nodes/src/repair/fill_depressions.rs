@@ -9,7 +9,7 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use orograph_core::{Unit, prelude::*};
 
 use super::lakes::Lakes;
-use crate::measure::drainage::flood::{NEIGHBOURS, beside, leaves, rank};
+use crate::measure::drainage::flood::{NEIGHBOURS, around, leaves, rank};
 
 /// Fills closed depressions, so that water finds its way from everywhere to the border.
 ///
@@ -110,10 +110,12 @@ pub fn fill(terrain: &Heightfield, lakes: Lakes<'_>, fall: f64, job: &Job) -> Re
         }
         let cell = (next & u64::from(u32::MAX)) as usize;
         let level = heights[cell];
-        for (direction, far) in far.iter().enumerate() {
-            let Some(other) = beside(size, cell, direction).filter(|&other| !seen[other]) else { continue };
+        for (direction, other) in around(size, cell) {
+            if seen[other] {
+                continue;
+            }
             seen[other] = true;
-            let fallen = (f64::from(level) + fall * far) as f32;
+            let fallen = (f64::from(level) + fall * far[direction]) as f32;
             if heights[other] < level || raised[cell] && heights[other] < fallen {
                 // A fall too small for the number of digits is the least that there is.
                 heights[other] = if fall > 0.0 { fallen.max(level.next_up()) } else { level };
@@ -155,8 +157,9 @@ mod tests {
                     let (old, new) = (terrain.cells()[cell], out.cells()[cell]);
                     assert!(new >= old || old.is_nan());
                     // Raised ground has a lower neighbour, or lies where water leaves anyway.
-                    let lower = |d| beside(out.grid().size(), cell, d).is_some_and(|o| out.cells()[o] < new);
-                    assert!(new <= old || old.is_nan() || (0..8).any(lower), "{seed} {fall} {cell}");
+                    let lower = |(_, other): (usize, usize)| out.cells()[other] < new;
+                    let drains = around(out.grid().size(), cell).any(lower);
+                    assert!(new <= old || old.is_nan() || drains, "{seed} {fall} {cell}");
                 }
             }
         }

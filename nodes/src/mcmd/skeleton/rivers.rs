@@ -11,6 +11,7 @@ use std::{
 
 use orograph_core::prelude::*;
 use orograph_core::{key, unit};
+use rayon::prelude::*;
 
 use crate::mcmd::skeleton::diagonal;
 
@@ -93,12 +94,14 @@ enum Way {
 fn ways_out(ridges: &Heightfield, surface: &Heightfield, relief: f64, job: &Job<'_>) -> Result<Vec<Way>> {
     let (rows, cols) = ridges.grid().size();
     let n = rows * cols;
-    job.admit(n as u64 * 48, || format!("the ways of rivers over {rows} × {cols} cells"))?;
+    job.admit(n as u64 * 56, || format!("the ways of rivers over {rows} × {cols} cells"))?;
     let is_ridge = |at: usize| !ridges.cells()[at].is_nan();
-    let cost = |at: usize| {
-        let height = DEARNESS * f64::from(surface.cells()[at]) / relief;
+    // Each cell is looked at from up to eight others, so its cost is told beforehand.
+    let cost = |&height: &f32| {
+        let height = DEARNESS * f64::from(height) / relief;
         libm::exp(height.clamp(-DEAREST, DEAREST))
     };
+    let costs: Vec<f64> = surface.cells().par_iter().with_min_len(ROUND).map(cost).collect();
     let mut ways = vec![Way::None; n];
     let mut best = vec![f64::INFINITY; n];
     // Costs are positive, so their bits sort as they do; the cell's place settles ties.
@@ -107,8 +110,8 @@ fn ways_out(ridges: &Heightfield, surface: &Heightfield, relief: f64, job: &Job<
         let (row, col) = (at / cols, at % cols);
         let border = row == 0 || col == 0 || row + 1 == rows || col + 1 == cols;
         if border && !is_ridge(at) {
-            (ways[at], best[at]) = (Way::Out, cost(at));
-            queue.push(Reverse((cost(at).to_bits(), at)));
+            (ways[at], best[at]) = (Way::Out, costs[at]);
+            queue.push(Reverse((costs[at].to_bits(), at)));
         }
     }
     let mut taken = 0_usize;
@@ -131,7 +134,7 @@ fn ways_out(ridges: &Heightfield, surface: &Heightfield, relief: f64, job: &Job<
                     continue;
                 }
                 let length = if aslant { std::f64::consts::SQRT_2 } else { 1.0 };
-                let reached = so_far + length * cost(to);
+                let reached = so_far + length * costs[to];
                 if reached < best[to] {
                     (ways[to], best[to]) = (Way::Over(at), reached);
                     queue.push(Reverse((reached.to_bits(), to)));

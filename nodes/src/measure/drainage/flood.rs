@@ -39,10 +39,27 @@ pub(crate) fn beside((rows, cols): (usize, usize), cell: usize, direction: usize
     Some(row * cols + col)
 }
 
+/// The neighbours of a cell, each with the direction in which it lies. Away from the border that takes no checks, and
+/// there most cells are.
+#[inline]
+pub(crate) fn around(size: (usize, usize), cell: usize) -> impl Iterator<Item = (usize, usize)> {
+    let (rows, cols) = size;
+    let (row, col) = (cell / cols, cell % cols);
+    let is_inside = row > 0 && col > 0 && row + 1 < rows && col + 1 < cols;
+    NEIGHBOURS.into_iter().enumerate().filter_map(move |(direction, (down, right))| {
+        let other = if is_inside {
+            cell.checked_add_signed(down * cols as isize + right)
+        } else {
+            beside(size, cell, direction)
+        };
+        Some((direction, other?))
+    })
+}
+
 /// Whether water leaves the terrain from a cell: it lies at the border or beside a void.
 pub(crate) fn leaves(terrain: &Heightfield, cell: usize) -> bool {
-    let known = |other: usize| terrain.cells()[other].is_finite();
-    (0..8).any(|direction| beside(terrain.grid().size(), cell, direction).is_none_or(|other| !known(other)))
+    let known = |(_, other): (usize, usize)| terrain.cells()[other].is_finite();
+    around(terrain.grid().size(), cell).filter(|&near| known(near)).count() < NEIGHBOURS.len()
 }
 
 /// Floods a terrain from its border and its voids.
@@ -103,11 +120,10 @@ pub fn flood_to(terrain: &Heightfield, is_sink: impl Fn(usize) -> bool, job: &Jo
             done.advance(1 << 14);
         }
         let level = heights[cell];
-        for direction in 0..8 {
-            let Some(other) = beside(size, cell, direction).filter(|&other| came_from[other] == UNSEEN)
-            else {
+        for (direction, other) in around(size, cell) {
+            if came_from[other] != UNSEEN {
                 continue;
-            };
+            }
             came_from[other] = ((direction + 4) % 8) as u8;
             if heights[other] <= level {
                 heights[other] = level;

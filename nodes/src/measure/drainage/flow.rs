@@ -7,7 +7,7 @@
 use orograph_core::prelude::*;
 use rayon::prelude::*;
 
-use super::flood::{Flood, OUT, VOID, beside};
+use super::flood::{Flood, OUT, VOID, around, beside};
 use crate::measure::distribution::line_slope;
 
 /// Accumulations below this are hillslopes, not streams: too small for exponents.
@@ -42,9 +42,8 @@ impl Flow {
                 return VOID;
             }
             let (mut steepest, mut to, mut first) = (0.0, flood.came_from[cell], usize::MAX);
-            for (direction, apart) in apart.iter().enumerate() {
-                let Some(other) = beside(size, cell, direction) else { continue };
-                let fall = (f64::from(heights[cell]) - f64::from(heights[other])) / apart;
+            for (direction, other) in around(size, cell) {
+                let fall = (f64::from(heights[cell]) - f64::from(heights[other])) / apart[direction];
                 // Beside a void nothing is greater or equal.
                 if fall > steepest || (fall == steepest && fall > 0.0 && other < first) {
                     (steepest, to, first) = (fall, direction as u8, other);

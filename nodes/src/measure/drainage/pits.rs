@@ -2,7 +2,7 @@
 
 use orograph_core::prelude::*;
 
-use super::flood::beside;
+use super::flood::around;
 
 /// The closed depressions of a terrain.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -52,7 +52,7 @@ impl Pits {
                 }
                 sum += depth(cell);
                 deepest = f64::max(deepest, depth(cell));
-                for other in (0..8).filter_map(|direction| beside(size, cell, direction)) {
+                for (_, other) in around(size, cell) {
                     if !seen[other] && raised(other) && filled.cells()[other] == level {
                         seen[other] = true;
                         open.push(other);

@@ -5,7 +5,7 @@ use std::{cmp::Reverse, collections::BinaryHeap};
 use orograph_core::prelude::*;
 
 use super::Ground;
-use crate::measure::drainage::flood::{NEIGHBOURS, beside};
+use crate::measure::drainage::flood::{NEIGHBOURS, around, beside};
 
 /// Dijkstra's algorithm from one cell after another, on memory taken once.
 pub(super) struct Search {
@@ -79,8 +79,7 @@ impl Search {
             if heights[cell] < bottom || ground.is_outlet[cell] {
                 return Ok(Some(self.way(ground.size, cell)));
             }
-            for direction in 0..8 {
-                let Some(other) = beside(ground.size, cell, direction) else { continue };
+            for (direction, other) in around(ground.size, cell) {
                 // A void gives NaN, which is within no limit.
                 let depth = f64::from(heights[other]) - f64::from(bottom);
                 let within = depth <= self.max_depth && self.away(start, other) <= self.max_length;

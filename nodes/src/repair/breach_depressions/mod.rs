@@ -12,7 +12,7 @@ mod channel;
 use orograph_core::{Unit, prelude::*};
 
 use super::lakes::Lakes;
-use crate::measure::drainage::flood::{beside, leaves};
+use crate::measure::drainage::flood::{around, leaves};
 use channel::Search;
 
 /// Cuts channels out of closed depressions, so that water runs off with little change to the ground.
@@ -152,7 +152,7 @@ fn bottoms(terrain: &Heightfield, ground: &Ground<'_>, job: &Job) -> Result<Vec<
                 job.check()?;
             }
             closed &= !ground.is_outlet[cell];
-            for other in (0..8).filter_map(|direction| beside(ground.size, cell, direction)) {
+            for (_, other) in around(ground.size, cell) {
                 // Beside a void, from which water leaves, nothing is lower or level.
                 closed &= heights[other] >= height || heights[other].is_nan();
                 if heights[other] == height && !seen[other] {
