@@ -35,6 +35,10 @@ impl Picture {
         let (width, height) = decoder.read_header_info().map_err(fail)?.size();
         let Grid { rows, cols, .. } = Grid::new(height as usize, width as usize, CellSize::square(1.0))?;
         let mut reader = decoder.read_info().map_err(fail)?;
+        // The decoder takes three bytes a colour for granted.
+        if reader.info().palette.as_ref().is_some_and(|palette| !palette.len().is_multiple_of(3)) {
+            return Err(Error::format(name, "its palette ends amid a colour"));
+        }
         let len = reader.output_buffer_size().unwrap_or(usize::MAX);
         let packed_len = reader.info().raw_row_length().saturating_mul(rows);
         // Deflate never does better than 1032 to 1, so a header that promises more lies.
