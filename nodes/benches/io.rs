@@ -1,32 +1,39 @@
-//! Throughput of the formats on a 4097 × 4097 terrain, in bytes of raw samples.
+//! Throughput of the formats of terrain at three sizes, in bytes of raw samples.
 //!
 //! `OROGRAPH_DEM_DIR` (default `../shared/dem`) supplies real relief, mirrored to size; without it a synthetic
 //! field with noise of a few decimetres stands in. Run with `RAYON_NUM_THREADS=1` for CPU seconds.
 
-use std::{io::Cursor, path::Path, sync::LazyLock};
+use std::{fmt, io::Cursor, path::Path, sync::LazyLock};
 
 use divan::{Bencher, counter::BytesCount};
 use orograph_core::{key, prelude::*, signed_unit};
 use orograph_nodes::io::{
-    exr,
+    ascii, exr,
     geotiff::{self, Compression, Options, SampleType},
-    hgt, read_dem, read_png,
+    hgt,
+    raw::{self, RawFormat, RawLayout},
+    read_dem, read_png,
     write_png::{self, Depth},
 };
 
-const SIDE: usize = 4097;
-const CELLS: usize = SIDE * SIDE;
+const SIDES: [usize; 3] = [1025, 2049, 4097];
+/// HGT has two sizes.
+const TILES: [usize; 2] = [1201, 3601];
+const RANGE: (f64, f64) = (0.0, 4000.0);
+const CELL: CellSize = CellSize::square(30.0);
+const RAW: RawLayout = RawLayout { format: RawFormat::R16Little, range: RANGE, south_first: false };
 
 static TERRAIN: LazyLock<Heightfield> = LazyLock::new(terrain);
 
-/// Real relief mirrored to size, or a stand-in.
+/// Real relief mirrored to the largest size, or a stand-in.
 fn terrain() -> Heightfield {
     let folder = std::env::var("OROGRAPH_DEM_DIR")
         .unwrap_or_else(|_| concat!(env!("CARGO_MANIFEST_DIR"), "/../../shared/dem").into());
     let job = Job::detached();
     let path = Path::new(&folder).join("half_dome_yosemite_ned1as_1027x875.tif");
     let dem = std::fs::read(path).ok().and_then(|bytes| read_dem::read(&bytes, "dem", &job).ok());
-    let grid = Grid::new(SIDE, SIDE, CellSize::square(30.0)).expect("a sound grid");
+    let side = SIDES[SIDES.len() - 1];
+    let grid = Grid::new(side, side, CELL).expect("a sound grid");
     let mirrored = |i: usize, n: usize| if (i / n).is_multiple_of(2) { i % n } else { n - 1 - i % n };
     Heightfield::build(grid, &job, |row, out| {
         for (col, out) in out.iter_mut().enumerate() {
@@ -43,81 +50,122 @@ fn terrain() -> Heightfield {
     .expect("memory for the terrain")
 }
 
-fn options(sample: SampleType) -> Options {
-    Options { sample, compression: Compression::Deflate, level: 1, ..Options::default() }
+/// A format, how it is written and read, and bytes of a raw sample.
+struct Format {
+    name: &'static str,
+    sample: usize,
+    sides: &'static [usize],
+    write: fn(&Heightfield, &Job) -> Result<Vec<u8>>,
+    read: fn(&[u8], &Job) -> Result<Heightfield>,
 }
 
-fn bytes_of(sample: SampleType) -> usize {
-    if sample == SampleType::Float32 { CELLS * 4 } else { CELLS * 2 }
-}
+static FORMATS: [Format; 7] = [
+    Format {
+        name: "geotiff_int16",
+        sample: 2,
+        sides: &SIDES,
+        write: |terrain, job| write_geotiff(terrain, SampleType::Int16, job),
+        read: |bytes, job| geotiff::read(bytes, "bench", job),
+    },
+    Format {
+        name: "geotiff_float32",
+        sample: 4,
+        sides: &SIDES,
+        write: |terrain, job| write_geotiff(terrain, SampleType::Float32, job),
+        read: |bytes, job| geotiff::read(bytes, "bench", job),
+    },
+    Format {
+        name: "png_16",
+        sample: 2,
+        sides: &SIDES,
+        write: |terrain, job| {
+            let mut out = Vec::new();
+            write_png::write(terrain, Depth::Sixteen, RANGE, &mut out, "bench", job).map(|()| out)
+        },
+        read: |bytes, job| read_png::read(bytes, "bench", RANGE, CELL, job),
+    },
+    Format {
+        name: "exr",
+        sample: 4,
+        sides: &SIDES,
+        write: |terrain, job| {
+            let mut out = Cursor::new(Vec::new());
+            exr::write(terrain, &mut out, "bench", job).map(|()| out.into_inner())
+        },
+        read: |bytes, job| exr::read(bytes, "bench", CELL, job),
+    },
+    Format {
+        name: "raw_16",
+        sample: 2,
+        sides: &SIDES,
+        write: |terrain, job| raw::write(terrain, &RAW, job),
+        read: |bytes, job| {
+            let side = (bytes.len() / 2).isqrt();
+            raw::read(bytes, "bench", Grid::new(side, side, CELL)?, &RAW, job)
+        },
+    },
+    Format {
+        name: "ascii",
+        sample: 4,
+        sides: &SIDES,
+        write: |terrain, job| {
+            let mut out = Vec::new();
+            ascii::write(terrain, &mut out, "bench", job).map(|()| out)
+        },
+        read: |bytes, job| ascii::read(bytes, "bench", job),
+    },
+    Format {
+        name: "hgt",
+        sample: 2,
+        sides: &TILES,
+        write: hgt::write,
+        read: |bytes, job| hgt::read(bytes, "N44W072.hgt", job),
+    },
+];
 
-fn geotiff_bytes(sample: SampleType) -> Vec<u8> {
+fn write_geotiff(terrain: &Heightfield, sample: SampleType, job: &Job) -> Result<Vec<u8>> {
+    let options = Options { sample, compression: Compression::Deflate, level: 1, ..Options::default() };
     let mut out = Cursor::new(Vec::new());
-    geotiff::write(&TERRAIN, &options(sample), &mut out, "bench", &Job::detached()).expect("it fits");
-    out.into_inner()
+    geotiff::write(terrain, &options, &mut out, "bench", job).map(|()| out.into_inner())
 }
 
-#[divan::bench(args = [SampleType::Int16, SampleType::Float32], sample_count = 5)]
-fn write_geotiff(bencher: Bencher<'_, '_>, sample: SampleType) {
-    LazyLock::force(&TERRAIN);
-    bencher.counter(BytesCount::new(bytes_of(sample))).bench(|| geotiff_bytes(sample));
+/// A format at one size.
+struct Case(&'static Format, usize);
+
+impl fmt::Display for Case {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{} {}", self.0.name, self.1)
+    }
 }
 
-#[divan::bench(args = [SampleType::Int16, SampleType::Float32], sample_count = 5)]
-fn read_geotiff(bencher: Bencher<'_, '_>, sample: SampleType) {
-    let bytes = geotiff_bytes(sample);
+impl Case {
+    fn terrain(&self) -> Heightfield {
+        TERRAIN.crop(0, 0, self.1, self.1, &Job::detached()).expect("no side is larger than the terrain's")
+    }
+
+    fn bytes(&self) -> BytesCount {
+        BytesCount::new(self.1 * self.1 * self.0.sample)
+    }
+}
+
+fn cases() -> impl Iterator<Item = Case> {
+    FORMATS.iter().flat_map(|format| format.sides.iter().map(move |&side| Case(format, side)))
+}
+
+#[divan::bench(args = cases(), sample_count = 5)]
+fn write(bencher: Bencher<'_, '_>, case: &Case) {
+    let terrain = case.terrain();
     bencher
-        .counter(BytesCount::new(bytes_of(sample)))
-        .bench(|| geotiff::read(&bytes, "bench", &Job::detached()).expect("it is sound"));
+        .counter(case.bytes())
+        .bench(|| (case.0.write)(&terrain, &Job::detached()).expect("the terrain fits the format"));
 }
 
-fn png_bytes() -> Vec<u8> {
-    let mut out = Vec::new();
-    write_png::write(&TERRAIN, Depth::Sixteen, (0.0, 4000.0), &mut out, "bench", &Job::detached())
-        .expect("it fits");
-    out
-}
-
-#[divan::bench(sample_count = 5)]
-fn write_png_16(bencher: Bencher<'_, '_>) {
-    LazyLock::force(&TERRAIN);
-    bencher.counter(BytesCount::new(CELLS * 2)).bench(png_bytes);
-}
-
-#[divan::bench(sample_count = 5)]
-fn read_png_16(bencher: Bencher<'_, '_>) {
-    let bytes = png_bytes();
-    let cell = CellSize::square(30.0);
-    bencher.counter(BytesCount::new(CELLS * 2)).bench(|| {
-        read_png::read(&bytes, "bench", (0.0, 4000.0), cell, &Job::detached()).expect("it is sound")
-    });
-}
-
-#[divan::bench(sample_count = 5)]
-fn write_exr(bencher: Bencher<'_, '_>) {
-    LazyLock::force(&TERRAIN);
-    bencher.counter(BytesCount::new(CELLS * 4)).bench(|| {
-        let mut out = Cursor::new(Vec::new());
-        exr::write(&TERRAIN, &mut out, "bench", &Job::detached()).expect("it fits");
-        out
-    });
-}
-
-#[divan::bench(sample_count = 10)]
-fn read_hgt_3601(bencher: Bencher<'_, '_>) {
-    let bytes = vec![1; 3601 * 3601 * 2];
+#[divan::bench(args = cases(), sample_count = 5)]
+fn read(bencher: Bencher<'_, '_>, case: &Case) {
+    let bytes = (case.0.write)(&case.terrain(), &Job::detached()).expect("the terrain fits the format");
     bencher
-        .counter(BytesCount::new(bytes.len()))
-        .bench(|| hgt::read(&bytes, "N44W072.hgt", &Job::detached()).expect("it is sound"));
-}
-
-#[divan::bench(sample_count = 10)]
-fn write_hgt_3601(bencher: Bencher<'_, '_>) {
-    let terrain =
-        TERRAIN.crop(0, 0, 3601, 3601, &Job::detached()).expect("the terrain is larger than a tile");
-    bencher
-        .counter(BytesCount::new(3601_usize * 3601 * 2))
-        .bench(|| hgt::write(&terrain, &Job::detached()).expect("it fits"));
+        .counter(case.bytes())
+        .bench(|| (case.0.read)(&bytes, &Job::detached()).expect("what was written is sound"));
 }
 
 fn main() {

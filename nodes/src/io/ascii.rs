@@ -3,6 +3,7 @@
 use std::io::Write;
 
 use orograph_core::prelude::*;
+use rayon::prelude::*;
 
 use super::{
     file::refuse_infinite,
@@ -127,13 +128,15 @@ fn number(word: &[u8]) -> Option<f64> {
     std::str::from_utf8(word).ok()?.parse().ok()
 }
 
+/// What stands for a void.
+const NODATA: f32 = -9999.0;
+
 /// Writes an ASCII grid with heights at full precision and -9999 for voids.
 ///
 /// # Errors
 /// [`Error::EmptyInput`]; [`Error::Invalid`] for a rotated grid or a height of exactly -9999; [`Error::NonFinite`];
 /// [`Error::Io`] from the stream; [`Error::Cancelled`].
 pub fn write(terrain: &Heightfield, out: &mut impl Write, name: &str, job: &Job) -> Result<()> {
-    const NODATA: f32 = -9999.0;
     super::file::refuse_empty(terrain, "terrain")?;
     let grid = terrain.grid();
     let transform = grid.georef_here().map_or_else(
@@ -159,29 +162,37 @@ pub fn write(terrain: &Heightfield, out: &mut impl Write, name: &str, job: &Job)
     }
     writeln!(out, "NODATA_value {NODATA}").map_err(failed)?;
     let done = job.stage(grid.rows as u64);
-    let mut line = String::new();
-    for row in 0..grid.rows {
-        job.check()?;
-        line.clear();
-        for (col, &height) in terrain.row(row).iter().enumerate() {
-            if height.is_infinite() {
-                return Err(Error::NonFinite { what: "terrain".into(), row, col });
-            }
-            if height == NODATA {
-                let message =
-                    format!("the height at row {row}, column {col} is -9999, which stands for voids");
-                return Err(Error::invalid(message, "write a GeoTIFF instead"));
-            }
-            let height = if height.is_nan() { NODATA } else { height };
-            // Writing to a string cannot fail.
-            let _ = std::fmt::Write::write_fmt(
-                &mut line,
-                format_args!("{}{height}", if col > 0 { " " } else { "" }),
-            );
+    for first in (0..grid.rows).step_by(ROWS_AT_ONCE) {
+        let rows = first..(first + ROWS_AT_ONCE).min(grid.rows);
+        let lines: Vec<Result<String>> = rows.into_par_iter().map(|row| line(terrain, row, job)).collect();
+        for line in lines {
+            out.write_all(line?.as_bytes()).map_err(failed)?;
+            done.advance(1);
         }
-        line.push('\n');
-        out.write_all(line.as_bytes()).map_err(failed)?;
-        done.advance(1);
     }
     Ok(())
+}
+
+/// Rows that are put into words side by side, and then wait to be written.
+const ROWS_AT_ONCE: usize = 64;
+
+/// A row of heights in words, -9999 for voids.
+fn line(terrain: &Heightfield, row: usize, job: &Job) -> Result<String> {
+    job.check()?;
+    let mut line = String::with_capacity(terrain.cols() * 8);
+    for (col, &height) in terrain.row(row).iter().enumerate() {
+        if height.is_infinite() {
+            return Err(Error::NonFinite { what: "terrain".into(), row, col });
+        }
+        if height == NODATA {
+            let message = format!("the height at row {row}, column {col} is -9999, which stands for voids");
+            return Err(Error::invalid(message, "write a GeoTIFF instead"));
+        }
+        let height = if height.is_nan() { NODATA } else { height };
+        let gap = if col > 0 { " " } else { "" };
+        // Writing to a string cannot fail.
+        let _ = std::fmt::Write::write_fmt(&mut line, format_args!("{gap}{height}"));
+    }
+    line.push('\n');
+    Ok(line)
 }
