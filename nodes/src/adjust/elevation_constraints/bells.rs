@@ -58,11 +58,11 @@ pub(super) fn bells(grid: &Grid, sites: &[Site], reach: f64, job: &Job<'_>) -> R
 /// Indices of places no nearer to each other than `spacing`, ascending, and for each place which of them is nearest.
 fn thin(places: &[[f64; 2]], spacing: f64, job: &Job<'_>) -> Result<(Vec<u32>, Vec<u32>)> {
     let mut seeds = Seeds::none(places, spacing, job)?;
-    for i in 0..places.len() {
+    for (i, &place) in places.iter().enumerate() {
         if i.is_multiple_of(1 << 12) {
             job.check()?;
         }
-        if !seeds.around(places[i]).any(|(far, _)| far < spacing * spacing) {
+        if !seeds.around(place).any(|(far, _)| far < spacing * spacing) {
             seeds.plant(i as u32);
         }
     }
