@@ -30,15 +30,17 @@ fn main() {
     window.told("the whole graph, the pointer wanders", FRAMES, |window, n| {
         window.events.push(Event::PointerMoved(still + vec2((n % 60) as f32 * 5.0, (n % 40) as f32 * 5.0)));
     });
+    window.events.push(Event::PointerMoved(still));
+    window.frame();
     window.told("the whole graph, one node is dragged", FRAMES, |window, n| {
         window.drag(still, n, FRAMES);
     });
-    // Larger and larger, until names can be read.
-    for _ in 0..60 {
+    // Larger, until names can just be read: more nodes with all that is in them are never seen at once.
+    while window.app.to_window().scaling < 0.36 {
         window.events.push(Event::PointerMoved(pos2(500.0, 650.0)));
         window.events.push(Event::MouseWheel {
             unit: egui::MouseWheelUnit::Line,
-            delta: vec2(0.0, 1.0),
+            delta: vec2(0.0, 0.5),
             phase: egui::TouchPhase::Move,
             modifiers: Modifiers::NONE,
         });
@@ -189,7 +191,13 @@ impl Window {
 }
 
 /// For how long this thread has had a processor, where the system tells.
+#[cfg(unix)]
 fn worked() -> Option<Duration> {
-    let stat = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
-    Some(Duration::from_nanos(stat.split(' ').next()?.parse().ok()?))
+    use rustix::time::{ClockId, clock_gettime};
+    clock_gettime(ClockId::ThreadCPUTime).try_into().ok()
+}
+
+#[cfg(not(unix))]
+fn worked() -> Option<Duration> {
+    None
 }

@@ -8,6 +8,7 @@
 #![allow(clippy::unwrap_used)]
 #![expect(clippy::print_stdout, reason = "a test runner reports on standard output")]
 
+#[path = "hands/common/mod.rs"]
 mod common;
 
 use std::{env, fs, panic, process::ExitCode};
@@ -33,13 +34,14 @@ const SIZE: eframe::egui::Vec2 = vec2(1000.0, 650.0);
 
 type Scene = fn() -> (Place, Editor);
 
-const SCENES: [(&str, Scene); 6] = [
+const SCENES: [(&str, Scene); 7] = [
     ("graph", graph),
     ("ground", ground),
     ("search", search),
     ("refusal", refusal),
     ("sketch", sketch),
     ("keys", keys),
+    ("afar", afar),
 ];
 
 fn main() -> ExitCode {
@@ -196,5 +198,26 @@ fn keys() -> (Place, Editor) {
     let ctx = editor.ctx.clone();
     ctx.set_theme(eframe::egui::Theme::Light);
     press(&mut editor, Modifiers::NONE, Key::F1);
+    (place, editor)
+}
+
+/// Nodes too small to be read, painted instead of made of widgets: one is selected, one bypassed, one at fault.
+fn afar() -> (Place, Editor) {
+    let place = Place::new();
+    let nodes = "\"odd\": (node: \"acme.magic\", version: 1),
+        \"calm\": (node: \"filter.gaussian_blur\", version: 1, bypass: true, inputs: {\"terrain\": \"soft.terrain\"}),";
+    let text = common::CHAIN
+        .replace("cells: 48", "cells: 48, octaves: 2")
+        .replace("    nodes: {\n", &format!("    nodes: {{\n        {nodes}\n"))
+        .replace("{\"hills\": (0, 0),", "{\"odd\": (0, 1500), \"calm\": (2400, 1500), \"hills\": (0, 0),")
+        .replace("(280, ", "(1100, ")
+        .replace("260)", "700)")
+        .replace("(560, ", "(2400, ")
+        .replace("(840, ", "(3600, ");
+    fs::write(&place.graph, text).unwrap();
+    let mut editor = open_sized(place.start(), SIZE);
+    show_all(&mut editor);
+    assert!(editor.state().app().to_window().scaling < 0.35, "nobody could read it");
+    select(&mut editor, "soft");
     (place, editor)
 }

@@ -1,24 +1,20 @@
 //! What a node looks like: title, ports, picture, state.
 
-use eframe::egui::{
-    self, Color32, Rect, RichText, pos2,
-    text::{LayoutJob, TextFormat, TextWrapping},
-    vec2,
-};
+use eframe::egui::{self, Color32, Rect, RichText, pos2, vec2};
 use egui_graph::{FramedResponse, NodeCtx};
 use orograph_edit::Badge;
 
-use super::NodeView;
+use super::{NodeView, afar};
 use crate::theme;
 
 /// Width of a node.
 pub(super) const WIDTH: f32 = 190.0;
-const THUMBNAIL: f32 = 96.0;
-const GAP: f32 = 3.0;
+pub(super) const THUMBNAIL: f32 = 96.0;
+pub(super) const GAP: f32 = 3.0;
 
 /// Height of the title and of a row of ports, the same for all nodes, so that they keep their size from afar.
-const TITLE: f32 = 38.0;
-const ROW: f32 = 18.0;
+pub(super) const TITLE: f32 = 38.0;
+pub(super) const ROW: f32 = 18.0;
 
 /// How large a node can become, but for words about faults.
 pub(super) fn most(node: &NodeView) -> egui::Vec2 {
@@ -38,47 +34,24 @@ pub(super) enum Body {
     Afar,
 }
 
-/// Size of the name of a node that is seen from afar.
-const NAME: f32 = 30.0;
-
 /// A node too small to be read: its block, its ports, and its name in large letters.
-///
-/// Placed by hand: a graph of hundreds of nodes is seen like this, and every widget in them would cost.
 pub(super) fn from_afar(ctx: NodeCtx<'_>, node: &NodeView, height: f32) -> FramedResponse<Body> {
-    let frame = egui_graph::node::default_frame(ctx.style(), ctx.interaction());
-    ctx.framed_with(frame.shadow(egui::Shadow::NONE), |ui, sockets| {
+    let interaction = ctx.interaction();
+    let frame = afar::frame(ctx.style(), interaction);
+    ctx.framed_with(frame, |ui, sockets| {
         let (_, rect) = ui.allocate_space(vec2(WIDTH - 20.0, height));
-        let below =
-            |top: f32, height: f32| Rect::from_min_size(pos2(rect.left(), top), vec2(rect.width(), height));
-        let title = below(rect.top(), TITLE);
-        ui.painter().rect_filled(title, 3.0, fill(ui, node));
-        let mut top = title.bottom() + GAP;
+        let mut top = rect.top() + TITLE + GAP;
         for row in 0..node.inputs.len().max(node.outputs.len()) {
+            let place = Rect::from_min_size(pos2(rect.left(), top), vec2(rect.width(), ROW));
             if row < node.inputs.len() {
-                sockets.input(row, below(top, ROW));
+                sockets.input(row, place);
             }
             if row < node.outputs.len() {
-                sockets.output(row, below(top, ROW));
+                sockets.output(row, place);
             }
             top += ROW + GAP;
         }
-        if let Some(picture) = node.thumbnail {
-            let middle = pos2(rect.center().x, top + THUMBNAIL / 2.0);
-            let place = Rect::from_center_size(middle, vec2(THUMBNAIL, THUMBNAIL));
-            let whole = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-            ui.painter().image(picture, place, whole, Color32::WHITE);
-            top += THUMBNAIL + GAP;
-        }
-        if node.fault.is_some() || matches!(node.badge, Some(Badge::Failed(_))) {
-            ui.painter().rect_filled(rect.with_min_y(top.min(rect.bottom())), 2.0, theme::FAULT);
-        }
-        // As large as can still be read, over whatever stands below.
-        let colour = ui.visuals().strong_text_color();
-        let text = TextFormat::simple(egui::FontId::proportional(NAME), colour);
-        let mut job = LayoutJob::single_section(node.name.clone(), text);
-        job.wrap = TextWrapping::truncate_at_width(rect.width());
-        let name = ui.fonts_mut(|fonts| fonts.layout_job(job));
-        ui.painter().galley(title.left_top() + vec2(4.0, 0.0), name, colour);
+        afar::inner(ui, node, rect, interaction.selected);
         Body::Afar
     })
 }
@@ -130,7 +103,7 @@ fn thumbnail(ui: &mut egui::Ui, node: &NodeView) {
     }
 }
 
-fn fill(ui: &egui::Ui, node: &NodeView) -> Color32 {
+pub(super) fn fill(ui: &egui::Ui, node: &NodeView) -> Color32 {
     let dark = ui.visuals().dark_mode;
     let fill = if node.unknown { Color32::from_gray(90) } else { theme::family(&node.family, dark) };
     if node.bypass { fill.gamma_multiply(0.35) } else { fill }

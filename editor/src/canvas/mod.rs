@@ -3,6 +3,7 @@
 //! The one place that knows the widget library for graphs. It is given what to draw in every frame and answers with
 //! [`Gesture`]s in the document's words, so another library would change this folder alone.
 
+mod afar;
 mod arrange;
 mod background;
 mod body;
@@ -17,7 +18,7 @@ use std::collections::{HashMap, HashSet};
 use eframe::egui::{self, Pos2, Rect, Vec2, emath::TSTransform, pos2, vec2};
 use egui_graph::{
     NodeId, SocketKind,
-    node::{EdgeEvent, Node as Widget},
+    node::{EdgeEvent, Node as Widget, NodeResponse},
 };
 use indexmap::{IndexMap, IndexSet};
 use orograph_core::ValueType;
@@ -25,6 +26,7 @@ use orograph_edit::Badge;
 use orograph_engine::document::{Layout, Link};
 
 use crate::theme;
+use afar::{Afar, Block, FAR};
 use arrange::arrangement;
 use background::Held;
 use body::Body;
@@ -123,6 +125,7 @@ pub struct Canvas {
     rect: Option<Rect>,
     wheel: wheel::Wheel,
     fit: fit::Fit,
+    afar: Afar,
 }
 
 fn id() -> egui::Id {
@@ -229,7 +232,9 @@ impl Canvas {
         let ctx = ui.ctx().clone();
         self.place(&ctx, nodes, wires);
         let mut gestures = Vec::new();
-        self.look_at_all(&ctx, nodes, layout);
+        let rects = self.rects(&ctx, nodes);
+        self.look_at_all(&ctx, &rects, layout);
+        self.afar.look(&ctx, self.to_window, &rects);
         let index: IndexMap<NodeId, usize> =
             nodes.iter().enumerate().map(|(index, node)| (node_id(&node.name), index)).collect();
         let mut graph =
@@ -246,17 +251,42 @@ impl Canvas {
             self.frames(ui, &layout.frames, &mut gestures);
             self.comments(ui, &layout.comments, &mut gestures);
             let mut removed = Vec::new();
+            let mut painted = Vec::new();
             let show = show.nodes(ui, |nodes_ctx, ui| {
-                for node in nodes {
-                    self.node(nodes_ctx, ui, node, nodes, &mut gestures, &mut removed);
+                let seen = ui.clip_rect();
+                for (node, (rect, _)) in nodes.iter().zip(&rects) {
+                    let is_paint =
+                        self.height(node).is_some() && self.afar.is_paint(node_id(&node.name), *rect);
+                    if is_paint {
+                        // Out of view, the widget library keeps a node and spares its widgets: so it does here.
+                        ui.set_clip_rect(Rect::NOTHING);
+                    }
+                    let response = self.node(nodes_ctx, ui, node, nodes, &mut gestures, &mut removed);
+                    ui.set_clip_rect(seen);
+                    if !seen.intersects(response.rect) {
+                        continue;
+                    }
+                    response.widget_info(|| {
+                        let label = format!("node {}", node.name);
+                        egui::WidgetInfo::labeled(egui::WidgetType::Other, true, label)
+                    });
+                    if is_paint {
+                        painted.push((node, Block { rect: response.rect, selected: response.selected() }));
+                    }
                 }
             });
+            if self.from.is_some() || self.held.is_some() {
+                self.afar.no_box();
+            }
             if !removed.is_empty() {
                 gestures.push(Gesture::Remove(removed));
             }
             show.edges(ui, |edges_ctx, ui| {
                 self.edges(edges_ctx, ui, nodes, wires, &layout.bends, &mut gestures);
             });
+            for (node, block) in &painted {
+                self.afar.paint(ui, node, block);
+            }
         });
         self.view = view;
         self.turn(&ctx, turned);
@@ -273,7 +303,7 @@ impl Canvas {
             gestures.push(Gesture::Move(moved.collect()));
         }
         self.background(ui, &response.response, &mut gestures);
-        if let Some(rect) = overview::show(ui, self.rect(), &self.rects(&ctx, nodes), self.view.scene_rect) {
+        if let Some(rect) = overview::show(ui, self.rect(), &rects, self.view.scene_rect) {
             self.view.scene_rect = rect;
         }
         gestures
@@ -325,25 +355,27 @@ impl Canvas {
         self.wires.retain(|wire| wires.contains(wire));
     }
 
+    /// Where every node stands and its colour.
     fn rects(&self, ctx: &egui::Context, nodes: &[NodeView]) -> Vec<(Rect, egui::Color32)> {
         let dark = ctx.global_style().visuals.dark_mode;
         egui_graph::with_graph_memory(ctx, id(), |memory| {
             let rect = |node: &NodeView| {
                 let id = node_id(&node.name);
                 let size = memory.node_sizes().get(&id).copied().unwrap_or(DEFAULT_SIZE);
-                let rect = Rect::from_min_size(*self.view.layout.get(&id)?, size);
-                Some((rect, theme::family(&node.family, dark)))
+                let place = self.view.layout.get(&id).copied().unwrap_or_default();
+                let rect = Rect::from_min_size(place, size);
+                (rect, theme::family(&node.family, dark))
             };
-            nodes.iter().filter_map(rect).collect()
+            nodes.iter().map(rect).collect()
         })
     }
 
-    fn look_at_all(&mut self, ctx: &egui::Context, nodes: &[NodeView], layout: &Layout) {
+    fn look_at_all(&mut self, ctx: &egui::Context, rects: &[(Rect, egui::Color32)], layout: &Layout) {
         let frames = layout.frames.iter().map(|frame| {
             let (x, y, width, height) = frame.rect;
             Rect::from_min_size(pos2(x as f32, y as f32), vec2(width as f32, height as f32))
         });
-        let all = self.rects(ctx, nodes).into_iter().map(|(rect, _)| rect).chain(frames).reduce(Rect::union);
+        let all = rects.iter().map(|(rect, _)| *rect).chain(frames).reduce(Rect::union);
         // Of an empty graph the place where its first nodes will stand.
         let all = all.unwrap_or(Rect::from_center_size(Pos2::ZERO, Vec2::ZERO));
         if !self.fit.is_due(ctx, all) {
@@ -355,6 +387,12 @@ impl Canvas {
         self.view.scene_rect = Rect::from_center_size(all.center(), size);
     }
 
+    /// How high a node's inside is. A picture that came meanwhile makes it higher, so that it has to be drawn from near.
+    fn height(&self, node: &NodeView) -> Option<f32> {
+        let (height, pictured) = self.heights.get(&node.name)?;
+        (*pictured == node.thumbnail.is_some()).then_some(*height)
+    }
+
     fn node(
         &mut self,
         nodes_ctx: &mut egui_graph::NodesCtx<'_>,
@@ -363,11 +401,8 @@ impl Canvas {
         nodes: &[NodeView],
         gestures: &mut Vec<Gesture>,
         removed: &mut Vec<String>,
-    ) {
-        // A picture that came meanwhile makes the node higher.
-        let pictured = node.thumbnail.is_some();
-        let known =
-            self.heights.get(&node.name).filter(|(_, with)| *with == pictured).map(|(height, _)| *height);
+    ) -> NodeResponse<Option<Body>> {
+        let known = self.height(node);
         let response = Widget::from_id(node_id(&node.name))
             .inputs(node.inputs.len())
             .outputs(node.outputs.len())
@@ -381,7 +416,7 @@ impl Canvas {
                 _ => body::show(ctx, node),
             });
         if let Some(Body::Near(height)) = response.inner() {
-            self.heights.insert(node.name.clone(), (*height, pictured));
+            self.heights.insert(node.name.clone(), (*height, node.thumbnail.is_some()));
         }
         let ports = [("input", &node.inputs), ("output", &node.outputs)];
         let sockets = response.sockets();
@@ -408,14 +443,12 @@ impl Canvas {
         if response.removed() {
             removed.push(node.name.clone());
         }
+        response
     }
 }
 
 /// How far ports reach out of their node, which is how much of them can be caught.
 const SOCKET: f32 = 6.5;
-
-/// Below this scale nobody reads what stands in a node.
-const FAR: f32 = 0.35;
 
 /// The size of a node that was not drawn yet.
 const DEFAULT_SIZE: Vec2 = Vec2::new(body::WIDTH, 110.0);

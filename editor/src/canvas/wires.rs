@@ -8,7 +8,7 @@ use egui_graph::{
 use indexmap::IndexMap;
 use orograph_engine::document::{Bend, Link};
 
-use super::{Canvas, FAR, Gesture, NodeView, SOCKET, Wire, background::Held, id, node_id};
+use super::{Canvas, Gesture, NodeView, SOCKET, Wire, afar::FAR, background::Held, id, node_id};
 use crate::theme;
 
 impl Canvas {
@@ -57,7 +57,12 @@ impl Canvas {
             nodes.iter().map(|node| (node.name.as_str(), node)).collect();
         let bent: IndexMap<(&Link, &Link), &[(f64, f64)]> =
             bends.iter().map(|bend| ((&bend.from, &bend.to), bend.through.as_slice())).collect();
-        let far = self.to_window.scaling < FAR;
+        let scale = self.to_window.scaling;
+        let far = scale < FAR;
+        // As fine as it shows.
+        let fineness = Edge::DEFAULT_DISTANCE_PER_POINT / scale.clamp(0.1, 1.0);
+        // Never thinner than a pixel, though everything else is smaller from afar.
+        let stroke = |width: f32, colour| egui::Stroke::new(width * (0.5 / scale).max(1.0), colour);
         let mut gone = Vec::new();
         for wire @ (from, to) in wires {
             let (Some(source), Some(target)) =
@@ -73,14 +78,23 @@ impl Canvas {
             let (start, end) = ((node_id(&from.node), output), (node_id(&to.node), input));
             let through = bent.get(&(from, to)).copied().unwrap_or_default();
             let places: Vec<Pos2> = (0..through.len()).map(|n| self.bend_at(wire, through, n)).collect();
+            if far && !selected {
+                let ends = edges_ctx.output(ui, start.0, output).zip(edges_ctx.input(ui, end.0, input));
+                let Some((first, last)) = ends else { continue };
+                let points: Vec<Pos2> =
+                    EdgeShape::DEFAULT.path(first, &places, last).flatten(fineness).collect();
+                if self.afar.is_paint_wire(&points) {
+                    ui.painter().line(points, stroke(2.0, colour));
+                    continue;
+                }
+            }
             let response = Edge::new(start, end, &mut selected)
                 .waypoints(&places)
                 .shape(EdgeShape::DEFAULT)
-                // As fine as it shows.
-                .distance_per_point(Edge::DEFAULT_DISTANCE_PER_POINT / self.to_window.scaling.clamp(0.1, 1.0))
-                .stroke(egui::Stroke::new(2.0, colour))
-                .hovered_stroke(egui::Stroke::new(3.0, colour))
-                .selected_stroke(egui::Stroke::new(4.0, colour))
+                .distance_per_point(fineness)
+                .stroke(stroke(2.0, colour))
+                .hovered_stroke(stroke(3.0, colour))
+                .selected_stroke(stroke(4.0, colour))
                 .show(edges_ctx, ui);
             if response.double_clicked() {
                 let ends = (edges_ctx.output(ui, start.0, output), edges_ctx.input(ui, end.0, input));

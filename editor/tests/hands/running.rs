@@ -1,11 +1,8 @@
 //! What the editor computes is what the command line computes, and what is not saved is not lost.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::{fs, sync::Arc};
 
-use common::{Place, open, press, read, select, settle};
+use crate::common::{Place, open, press, read, select, settle};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use orograph_core::Context;
@@ -45,7 +42,7 @@ fn a_build_writes_the_very_bytes_of_a_run() {
 #[test]
 fn a_build_that_fails_says_at_which_node_and_why() {
     let place = Place::new();
-    let text = common::CHAIN.replace("\"shade.png\"", "\"../shade.png\"");
+    let text = crate::common::CHAIN.replace("\"shade.png\"", "\"../shade.png\"");
     fs::write(&place.graph, text).unwrap();
     let mut editor = open(place.start());
     press(&mut editor, CTRL, Key::B);
@@ -66,13 +63,13 @@ fn saving_keeps_the_words_above_the_graph_and_asks_before_it_overwrites() {
     assert!(saved.starts_with("// Kept when it is saved.\n"), "{saved}");
     assert!(Document::parse(&saved, "saved").unwrap().nodes["soft"].bypass);
 
-    fs::write(&place.graph, common::CHAIN).unwrap();
+    fs::write(&place.graph, crate::common::CHAIN).unwrap();
     press(&mut editor, Modifiers::NONE, Key::B);
     press(&mut editor, CTRL, Key::S);
     assert!(editor.query_by_label("Someone else changed the file").is_some());
     editor.get_by_role_and_label(Role::Button, "Take theirs").click();
     settle(&mut editor);
-    assert_eq!(**editor.state().app().document(), Document::parse(common::CHAIN, "chain").unwrap());
+    assert_eq!(**editor.state().app().document(), Document::parse(crate::common::CHAIN, "chain").unwrap());
 }
 
 #[test]
@@ -98,7 +95,7 @@ fn what_a_killed_editor_left_is_offered_and_recovered() {
     {
         // What a killed program leaves: a journal that nobody holds.
         let journal = orograph_edit::Journal::begin(&folder, registry).unwrap();
-        let mut document = Document::parse(common::CHAIN, "chain").unwrap();
+        let mut document = Document::parse(crate::common::CHAIN, "chain").unwrap();
         document.doc = "unsaved".into();
         journal.keep(Some(&place.graph), Arc::new(document));
         journal.flush().unwrap();
@@ -135,8 +132,8 @@ fn closing_with_unsaved_work_asks_first() {
 /// An editor whose time goes by so slowly that it never looks whether someone else changed the file: of two who read
 /// what is filled in once, one would find nothing.
 #[cfg(unix)]
-fn open_unwatched(start: orograph_editor::Start) -> common::Editor {
-    common::open_at(start, 10_000.0)
+fn open_unwatched(start: orograph_editor::Start) -> crate::common::Editor {
+    crate::common::open_at(start, 10_000.0)
 }
 
 /// Puts something in place of a file that is read no sooner than someone fills it.
@@ -164,7 +161,7 @@ fn a_slow_disk_freezes_nothing_and_what_is_edited_meanwhile_is_not_taken_for_sav
     editor.key_press_modifiers(CTRL, Key::N);
     editor.run_steps(3);
     assert_eq!(editor.state().app().document().nodes.len(), 5, "nothing goes before it is saved");
-    fs::write(&place.graph, common::CHAIN).unwrap();
+    fs::write(&place.graph, crate::common::CHAIN).unwrap();
     settle(&mut editor);
     assert!(Document::load(&place.graph).unwrap().nodes["soft"].bypass, "as it was when it was to be saved");
     assert!(editor.state().app().is_dirty());
@@ -182,7 +179,7 @@ fn the_window_closes_no_sooner_than_the_file_is_written() {
 
     let place = Place::new();
     let mut editor = open_unwatched(place.start());
-    let closes = |editor: &common::Editor| {
+    let closes = |editor: &crate::common::Editor| {
         editor.output().viewport_output[&ViewportId::ROOT].commands.contains(&ViewportCommand::Close)
     };
     select(&mut editor, "soft");
@@ -194,7 +191,7 @@ fn the_window_closes_no_sooner_than_the_file_is_written() {
         editor.run_steps(1);
         assert!(!closes(&editor));
     }
-    fs::write(&place.graph, common::CHAIN).unwrap();
+    fs::write(&place.graph, crate::common::CHAIN).unwrap();
     settle(&mut editor);
     assert!(closes(&editor));
     assert!(Document::load(&place.graph).unwrap().nodes["soft"].bypass);
@@ -213,7 +210,7 @@ fn a_slow_disk_freezes_nothing_when_a_graph_is_opened_and_it_can_be_given_up() {
     let mut editor = open(start);
     for is_given_up in [true, false] {
         editor.key_press_modifiers(CTRL, Key::O);
-        common::until_shown(&mut editor, "Reading ");
+        crate::common::until_shown(&mut editor, "Reading ");
         editor.key_press_modifiers(CTRL, Key::A);
         editor.key_press_modifiers(Modifiers::NONE, Key::Delete);
         editor.run_steps(3);
@@ -225,7 +222,7 @@ fn a_slow_disk_freezes_nothing_when_a_graph_is_opened_and_it_can_be_given_up() {
         }
         fs::write(&other, "(format: 1, doc: \"the other\", nodes: {})").unwrap();
     }
-    common::until(&mut editor, |app| app.document().doc == "the other");
+    crate::common::until(&mut editor, |app| app.document().doc == "the other");
 }
 
 #[test]
@@ -237,22 +234,22 @@ fn a_graph_without_a_name_asks_for_one_before_it_goes() {
     start.file = None;
     start.dialogs = Arc::new(move |_, _| Ok(Some(answer.clone())));
     let mut editor = open(start);
-    common::event(&mut editor, eframe::egui::Event::Paste(common::CHAIN.into()));
+    crate::common::event(&mut editor, eframe::egui::Event::Paste(crate::common::CHAIN.into()));
     settle(&mut editor);
     press(&mut editor, CTRL, Key::N);
     editor.get_by_role_and_label(Role::Button, "Save").click();
     let file = named.with_extension("ron");
-    common::until(&mut editor, |app| app.document().nodes.is_empty());
+    crate::common::until(&mut editor, |app| app.document().nodes.is_empty());
     assert_eq!(Document::load(&file).unwrap().nodes.len(), 5);
 }
 
 #[test]
 fn a_build_says_how_long_it_still_takes_and_can_be_stopped() {
     let place = Place::new();
-    fs::write(&place.graph, common::CHAIN.replace("cells: 48", "cells: 6000")).unwrap();
+    fs::write(&place.graph, crate::common::CHAIN.replace("cells: 48", "cells: 6000")).unwrap();
     let mut editor = open(place.start());
     editor.key_press_modifiers(CTRL, Key::B);
-    common::until_shown(&mut editor, " left");
+    crate::common::until_shown(&mut editor, " left");
     press(&mut editor, Modifiers::NONE, Key::Escape);
     assert!(editor.query_by_label_contains(" left").is_none(), "it is over");
     assert!(!place.out().join("shade.png").exists());

@@ -1,9 +1,6 @@
 //! The guide "First terrain in ten minutes" (`docs/guide/first-terrain.md`), step by step as it says.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Editor, Place, at, drag,
     hand::{button, drag_with, in_picture, write},
     open, press, settle,

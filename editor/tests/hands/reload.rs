@@ -1,7 +1,4 @@
 //! Plugins are found again while the editor runs, and nothing of the document is lost over it.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::{
     fs,
@@ -12,7 +9,7 @@ use std::{
     },
 };
 
-use common::{Editor, Place, open, press, read, select, settle, until};
+use crate::common::{Editor, Place, open, press, read, select, settle, until};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use orograph_core::{Digest, Value};
@@ -80,7 +77,7 @@ fn placeholders_become_nodes_when_their_plugin_comes_and_nodes_placeholders_when
     press(&mut editor, CTRL.plus(Modifiers::SHIFT), Key::Z);
     press(&mut editor, CTRL, Key::S);
     let saved = String::from_utf8(read(&place.graph)).unwrap();
-    let line = common::CHAIN.lines().find(|line| line.contains("\"soft\": (node")).unwrap();
+    let line = crate::common::CHAIN.lines().find(|line| line.contains("\"soft\": (node")).unwrap();
     assert!(saved.contains(line.trim()), "a placeholder is saved back unchanged:\n{saved}");
 }
 

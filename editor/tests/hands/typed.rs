@@ -1,11 +1,8 @@
 //! Paths typed in the window, on a system that has no dialogs.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::{fs, sync::Arc};
 
-use common::{
+use crate::common::{
     Editor, Place,
     hand::{button, write},
     open, press,
@@ -24,7 +21,7 @@ fn without_dialogs(place: &Place) -> Editor {
 /// Enters a command and waits for the question, which comes from another thread.
 fn ask(editor: &mut Editor, held: Modifiers, key: Key, question: &str) {
     press(editor, held, key);
-    common::until_shown(editor, question);
+    crate::common::until_shown(editor, question);
     editor.run_steps(3);
 }
 
@@ -42,7 +39,7 @@ fn a_graph_is_saved_and_opened_by_typing_where() {
     );
     assert!(editor.query_by_label("There is no such folder").is_some(), "it stays and says why");
     write(&mut editor, Role::TextInput, "path", &other.display().to_string());
-    common::until(&mut editor, |app| !app.told().is_empty());
+    crate::common::until(&mut editor, |app| !app.told().is_empty());
     let saved = other.with_extension("ron");
     assert!(fs::read_to_string(&saved).unwrap().contains("filter.gaussian_blur"));
 
@@ -53,7 +50,7 @@ fn a_graph_is_saved_and_opened_by_typing_where() {
     assert!(editor.query_by_label("Which graph?").is_none(), "Escape asks no more");
     ask(&mut editor, CTRL, Key::O, "Which graph?");
     write(&mut editor, Role::TextInput, "path", &third.display().to_string());
-    common::until(&mut editor, |app| app.document().nodes.contains_key("alone"));
+    crate::common::until(&mut editor, |app| app.document().nodes.contains_key("alone"));
 }
 
 #[test]
@@ -75,7 +72,7 @@ fn what_would_be_replaced_is_told() {
 fn write_only(editor: &mut Editor, text: &str) {
     editor.get_by_role_and_label(Role::TextInput, "path").click();
     editor.run_steps(3);
-    editor.key_press_modifiers(common::hand::HELD_CTRL, Key::A);
+    editor.key_press_modifiers(crate::common::hand::HELD_CTRL, Key::A);
     editor.run_steps(2);
     editor.event(eframe::egui::Event::Text(text.into()));
     editor.run_steps(3);

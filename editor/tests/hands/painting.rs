@@ -1,11 +1,8 @@
 //! A painting of several layers, over a picture of its own.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::fs;
 
-use common::{
+use crate::common::{
     Editor, Place, click, drag, hand,
     hand::{button, choosing, in_picture},
     open, select, until,
@@ -103,6 +100,6 @@ fn a_picture_from_a_file_is_laid_under_the_painting_as_one_step() {
     assert_eq!(document.nodes["read_texture"].params["file"], Literal::Text("map.png".into()));
     assert_eq!(document.nodes["map"].inputs["picture"][0].to_string(), "read_texture.texture");
     assert!(editor.query_by_label("picture under it…").is_none(), "there is one now");
-    common::press(&mut editor, eframe::egui::Modifiers::COMMAND, eframe::egui::Key::Z);
+    crate::common::press(&mut editor, eframe::egui::Modifiers::COMMAND, eframe::egui::Key::Z);
     assert_eq!(editor.state().app().document().nodes.len(), 1);
 }

@@ -1,11 +1,8 @@
 //! Panes: what they show, how, and of what; variations; what is computed and what is not.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::fs;
 
-use common::{
+use crate::common::{
     Editor, Place,
     hand::{button, click_with, menu, rect},
     open, press, select, settle,
@@ -74,7 +71,7 @@ fn ground_is_walked_around_and_left_again() {
     button(&mut editor, "3D");
     assert!(image(&editor, "ground view") && !image(&editor, "picture view"));
     let middle = rect(&editor, Role::Image, "ground view").center();
-    common::drag(&mut editor, middle, middle + vec2(80.0, 20.0));
+    crate::common::drag(&mut editor, middle, middle + vec2(80.0, 20.0));
     for slider in ["height", "sun from", "sun height"] {
         assert!(editor.query_all_by_role_and_label(Role::Slider, slider).count() > 0, "{slider}");
     }
@@ -100,7 +97,7 @@ fn another_look_is_chosen_from_those_that_fit() {
 #[test]
 fn metrics_are_a_table_of_words_and_numbers() {
     let place = Place::new();
-    let text = common::CHAIN.replace(
+    let text = crate::common::CHAIN.replace(
         "    },\n    layout",
         "        \"numbers\": (node: \"measure.statistics\", version: 1, inputs: {\"terrain\": \"hills.terrain\"}),\n    },\n    layout",
     );
@@ -154,7 +151,7 @@ fn pictures_on_nodes_are_shown_and_put_away() {
 #[test]
 fn what_is_under_way_is_stopped_and_the_next_edit_goes_on() {
     let place = Place::new();
-    let text = common::CHAIN.replace("params: (cells: 48)", "params: (cells: 48, octaves: 12)");
+    let text = crate::common::CHAIN.replace("params: (cells: 48)", "params: (cells: 48, octaves: 12)");
     fs::write(&place.graph, text).unwrap();
     let mut editor = open(place.start());
     editor.get_by_role_and_label(Role::Button, "Build").click();

@@ -1,7 +1,4 @@
 //! Settings are changed in their window, hold at once or from the next start on, and are kept in one file.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::{
     fs,
@@ -9,7 +6,7 @@ use std::{
     sync::{Arc, Mutex},
 };
 
-use common::{Editor, Place, open, press, read, settle, until};
+use crate::common::{Editor, Place, open, press, read, settle, until};
 use eframe::egui::{Key, Modifiers, ThemePreference, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use orograph_editor::Start;

@@ -1,11 +1,8 @@
 //! The inspector: settings, names, words and files, through the accessibility tree.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::fs;
 
-use common::{
+use crate::common::{
     Editor, Place, drag,
     hand::{button, choosing, click_with, double_click, rect, rest, until, write},
     open, press, select, settle,
@@ -220,10 +217,10 @@ fn a_node_has_a_help_page_and_its_settings_have_tooltips() {
 fn ports_and_nodes_tell_what_they_are_when_the_pointer_rests_on_them() {
     let place = Place::new();
     let mut editor = open(place.start());
-    let pos = common::at(&editor, "input soft.terrain") - eframe::egui::vec2(3.0, 0.0);
+    let pos = crate::common::at(&editor, "input soft.terrain") - eframe::egui::vec2(3.0, 0.0);
     rest(&mut editor, pos);
     assert!(editor.query_by_label("Heightfield").is_some());
-    let pos = common::title(&editor, "high");
+    let pos = crate::common::title(&editor, "high");
     rest(&mut editor, pos);
     let registry = orograph_session::built_in().unwrap();
     let summary = registry.get("mask.from_height").unwrap().spec().summary();
@@ -282,8 +279,8 @@ fn a_comment_is_written_shown_on_the_node_and_undone_in_one_step() {
         editor.run_steps(2);
     }
     assert_eq!(editor.state().app().document().nodes["soft"].comment, "abc");
-    let pos = common::title(&editor, "high");
-    common::click(&mut editor, pos);
+    let pos = crate::common::title(&editor, "high");
+    crate::common::click(&mut editor, pos);
     assert!(editor.query_by_role_and_label(Role::Label, "abc").is_some(), "it stands on the node");
     press(&mut editor, CTRL, Key::Z);
     assert_eq!(editor.state().app().document().nodes["soft"].comment, "");

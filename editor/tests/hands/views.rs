@@ -1,11 +1,8 @@
 //! What panes show, and how: compared, wiped, over ground, plotted. Through the accessibility tree: no pixels.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::fs;
 
-use common::{Editor, Place, drag, open, press, select, settle};
+use crate::common::{Editor, Place, drag, open, press, select, settle};
 use eframe::egui::{Key, Modifiers, Pos2, Rect, accesskit::Role, pos2, vec2};
 use egui_kittest::kittest::{NodeT, Queryable};
 use orograph_core::Value;
@@ -205,7 +202,7 @@ fn arrows_walk_around_ground_that_was_clicked() {
     button(&mut editor, "3D");
     assert!(editor.query_by_label("seen from 200°, 35° up").is_some());
     let middle = rect(&editor, "ground view").center();
-    common::click(&mut editor, middle);
+    crate::common::click(&mut editor, middle);
     press(&mut editor, NONE, Key::ArrowRight);
     press(&mut editor, NONE, Key::ArrowUp);
     assert!(editor.query_by_label("seen from 205°, 40° up").is_some());

@@ -1,9 +1,6 @@
 //! What a user does, through the accessibility tree and the pointer: no pixels are needed.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Place, at, copied, drag, event, open, press, select, settle, title, wire};
+use crate::common::{Place, at, copied, drag, event, open, press, select, settle, title, wire};
 use eframe::egui::{Event, Key, Modifiers, accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable;
 use orograph_core::Value;

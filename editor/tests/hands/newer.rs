@@ -1,11 +1,8 @@
 //! A graph from a newer program is opened as far as it can be, and nothing in it is lost.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::fs;
 
-use common::{Editor, Place, open, press, read, select, settle};
+use crate::common::{Editor, Place, open, press, read, select, settle};
 use eframe::egui::{Key, Modifiers, accesskit::Role};
 use egui_kittest::kittest::Queryable;
 use orograph_core::Value;

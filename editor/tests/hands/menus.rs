@@ -1,9 +1,6 @@
 //! Everything that can be done has a menu entry, is told on the keys page, and every widget has a name.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{
+use crate::common::{
     Editor, Place,
     hand::{button, menu},
     open, press, select,

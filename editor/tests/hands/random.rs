@@ -2,13 +2,10 @@
 //! the end, and every document that was met on the way is met again.
 //!
 //! What lies below the window is tried by thousands of edits in `edit/tests/editing.rs`.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::{fs, sync::Arc};
 
-use common::{
+use crate::common::{
     Editor, Place, at, click, copied, drag,
     hand::{boxed, in_window},
     open, title,

@@ -1,11 +1,8 @@
 //! Sketching in the picture: strokes, points and the eraser, in shares of the picture and in metres.
-#![allow(clippy::unwrap_used)]
-
-mod common;
 
 use std::fs;
 
-use common::{
+use crate::common::{
     Editor, Place, click,
     hand::{button, click_with, drag_with, in_picture, write},
     open, press, select,

@@ -1,9 +1,6 @@
 //! Comments on the canvas and wires that are led around, through the accessibility tree and the pointer.
-#![allow(clippy::unwrap_used)]
 
-mod common;
-
-use common::{Editor, Place, at, click, drag, open_at, press, read, settle};
+use crate::common::{Editor, Place, at, click, drag, open_at, press, read, settle};
 use eframe::egui::{Event, Key, Modifiers, PointerButton, Pos2, accesskit::Role, vec2};
 use egui_kittest::kittest::Queryable;
 use orograph_engine::Document;
