@@ -3,7 +3,11 @@
 mod document_nodes;
 
 use document_nodes::registry;
-use orograph_engine::document::{Bend, Body, Comment, Document, Frame, Link, Literal, MAX_BYTES, Node};
+use indexmap::IndexMap;
+use orograph_core::ValueType;
+use orograph_engine::document::{
+    Bend, Body, Comment, Document, Exposed, Frame, GraphInput, Link, Literal, MAX_BYTES, Node,
+};
 use proptest::prelude::*;
 
 const FULL: &str = r#"// A graph that uses every field.
@@ -52,9 +56,12 @@ fn every_field_is_read() {
     assert_eq!(document.nodes["sheet"].inputs["pictures"], [Link::new("a", "x"), Link::new("b", "y")]);
     assert_eq!(document.nodes["lib"].body, Body::Graph { path: "lib/repair.ron".into() });
     assert_eq!(document.nodes["odd"].extra["colour"], Literal::Text("red".into()));
-    let frame = Frame { title: "Input".into(), rect: (0.0, 0.0, 300.0, 200.0) };
+    let frame = Frame { title: "Input".into(), rect: (0.0, 0.0, 300.0, 200.0), ..Frame::default() };
     assert_eq!(document.layout.frames, [frame]);
-    assert_eq!(document.layout.comments, [Comment { text: "Two\nlines".into(), at: (5.0, -7.0) }]);
+    assert_eq!(
+        document.layout.comments,
+        [Comment { text: "Two\nlines".into(), at: (5.0, -7.0), ..Comment::default() }]
+    );
     let [bend] = &document.layout.bends[..] else { panic!("{:?}", document.layout.bends) };
     assert_eq!((bend.from.to_string(), bend.to.to_string()), ("dem.terrain".into(), "lib.terrain".into()));
     assert_eq!(bend.through, [(1.0, 2.0), (3.5, 4.0)]);
@@ -183,7 +190,7 @@ fn faults_tell_place_and_mend() {
         ("(format: 2, nodes: {})".into(), (1, 10), "graph format 2 is unknown", "newer"),
         ("(format: \"1\", nodes: {})".into(), (1, 10), "expected the format version, 1, found a string", ""),
         ("(format: 1)".into(), (1, 1), "the graph has no `nodes`", "nodes: {}"),
-        ("(format: 1, nods: {}, nodes: {})".into(), (1, 13), "no field `nods`", "did you mean `nodes`?"),
+        ("(format: 1, nods: {}, nodes: 3)".into(), (1, 13), "no field `nods`", "did you mean `nodes`?"),
         ("(format: 1, format: 1, nodes: {})".into(), (1, 13), "`format` stands here twice", "remove one"),
         ("(format: 1, doc: 5, nodes: {})".into(), (1, 18), "expected a string, found a number", ""),
         ("(format: 1, nodes: [])".into(), (1, 20), "expected a map of nodes, found a list", ""),
@@ -296,7 +303,7 @@ fn hostile_files_are_refused() {
 
 #[test]
 fn errors_show_a_snippet() {
-    let errors = Document::parse("(\n    format: 1,\n    nods: {},\n    nodes: {},\n)", "x.ron").unwrap_err();
+    let errors = Document::parse("(\n    format: 1,\n    nods: {},\n    nodes: 3,\n)", "x.ron").unwrap_err();
     let shown = format!("{:?}", miette::Report::new(errors.errors()[0].clone()));
     assert!(
         shown.contains("x.ron:3:5") && shown.contains("nods: {}") && shown.contains("did you mean"),
@@ -330,6 +337,11 @@ fn link() -> impl Strategy<Value = Link> {
     (NAME, "[a-z]{1,5}").prop_map(|(node, port)| Link::new(node, port))
 }
 
+/// Fields that no format knows yet.
+fn extra() -> impl Strategy<Value = IndexMap<String, Literal>> {
+    prop::collection::vec(("new_[a-z]{1,5}", literal()), 0..2).prop_map(|fields| fields.into_iter().collect())
+}
+
 fn node() -> impl Strategy<Value = Node> {
     let body = prop_oneof![
         (prop::sample::select(vec!["io.read", "filter.smooth", "later.thing"]), prop::option::of(1..5_u32))
@@ -352,28 +364,46 @@ fn node() -> impl Strategy<Value = Node> {
 fn document() -> impl Strategy<Value = Document> {
     let nodes = prop::collection::vec((NAME.prop_filter("reserved", |name| name != "graph"), node()), 0..6);
     let place = || (-1e6..1e6, -1e6..1e6);
-    let comment = (".*", place()).prop_map(|(text, at)| Comment { text, at });
-    let bend = (link(), link(), prop::collection::vec(place(), 0..3)).prop_map(|(from, to, through)| Bend {
-        from,
-        to,
-        through,
+    let comment = (".*", place(), extra()).prop_map(|(text, at, extra)| Comment { text, at, extra });
+    let frame = (".*", place(), place(), extra()).prop_map(|(title, (x, y), (width, height), extra)| Frame {
+        title,
+        rect: (x, y, width, height),
+        extra,
     });
+    let bend = (link(), link(), prop::collection::vec(place(), 0..3), extra())
+        .prop_map(|(from, to, through, extra)| Bend { from, to, through, extra });
     let layout = (
         prop::collection::vec((NAME, place()), 0..3),
         prop::collection::vec(comment, 0..2),
+        prop::collection::vec(frame, 0..2),
         prop::collection::vec(bend, 0..2),
+        extra(),
+    );
+    let exposed = (link(), ".*", prop::option::of(-1e6..0.0), extra())
+        .prop_map(|(param, doc, low, extra)| Exposed { param, doc, range: low.map(|low| (low, 1.0)), extra });
+    let input =
+        (".*", extra()).prop_map(|(doc, extra)| GraphInput { value_type: ValueType::Mask, doc, extra });
+    let interface = (
+        prop::collection::vec((NAME, exposed), 0..2),
+        prop::collection::vec((NAME, input), 0..2),
+        prop::collection::vec((NAME, link()), 0..3),
+        extra(),
     );
     // Either a comment as it would stand, or none.
     let header = "(// [a-z/*()]{0,12}[a-z)](\n|\n\n)){0,2}// [a-z]|/\\*( [a-z]{1,6})?(\n[a-z(]{1,6})? \\*/|";
-    (header, ".*", nodes, prop::collection::vec((NAME, link()), 0..3), layout).prop_map(
-        |(header, doc, nodes, outputs, layout)| {
+    (header, ".*", nodes, interface, layout).prop_map(
+        |(header, doc, nodes, (expose, inputs, outputs, extra), layout)| {
             let mut document = Document::new();
             document.header = header;
             document.doc = doc;
             document.nodes = nodes.into_iter().collect();
             document.outputs = outputs.into_iter().collect();
             document.layout.nodes = layout.0.into_iter().collect();
-            (document.layout.comments, document.layout.bends) = (layout.1, layout.2);
+            (document.layout.comments, document.layout.frames) = (layout.1, layout.2);
+            (document.layout.bends, document.layout.extra) = (layout.3, layout.4);
+            document.expose = expose.into_iter().collect();
+            document.inputs = inputs.into_iter().collect();
+            document.extra = extra;
             document
         },
     )

@@ -74,6 +74,18 @@ fn faults_tell_place_and_mend() {
             graph(&[DEM, r#""s": (node: "filter.smooth", version: 3, ^input: {"terrain": "dem.terrain"})"#]),
             "no field `input`", "did you mean `inputs`?",
         ),
+        ("(format: 1, ^nods: {}, nodes: {})".into(), "no field `nods`", "did you mean `nodes`?"),
+        ("(format: 1, nodes: {}, ^materials: {})".into(), "no field `materials`", "its fields: `format`"),
+        ("(format: 1, nodes: {}, inputs: {\"o\": (type: Mask, ^docs: 1)})".into(), "no field `docs`", "did you mean `doc`?"),
+        (
+            format!("(format: 1, expose: {{\"o\": (param: \"dem.file\", ^group: 1)}}, nodes: {{{DEM}}})"),
+            "no field `group`",
+            "`range`",
+        ),
+        ("(format: 1, nodes: {}, layout: (^zoom: 2))".into(), "no field `zoom`", "`bends`"),
+        ("(format: 1, nodes: {}, layout: (frames: [(title: \"\", rect: (0, 0, 1, 1), ^colour: Red)]))".into(), "no field `colour`", "`rect`"),
+        ("(format: 1, nodes: {}, layout: (comments: [(text: \"\", at: (0, 1), ^to: 1)]))".into(), "no field `to`", "`text`"),
+        ("(format: 1, nodes: {}, layout: (bends: [(from: \"a.b\", to: \"c.d\", through: [], ^style: 1)]))".into(), "no field `style`", "`through`"),
         (
             graph(&[DEM, r#""s": (node: "filter.smooth", version: 3, inputs: {^"terain": "dem.terrain"})"#]),
             "`filter.smooth` has no input `terain`", "did you mean `terrain`?",

@@ -64,7 +64,12 @@ pub fn paste(document: &mut Document, text: &str, at: (f64, f64)) -> Result<Vec<
             |link: &Link| names.get(&link.node).map(|name| Link::new(name.clone(), link.port.clone()));
         if let (Some(from), Some(to)) = (renamed(&bend.from), renamed(&bend.to)) {
             let moved = |(x, y): &(f64, f64)| (x - corner.0 + at.0, y - corner.1 + at.1);
-            document.layout.bends.push(Bend { from, to, through: bend.through.iter().map(moved).collect() });
+            document.layout.bends.push(Bend {
+                from,
+                to,
+                through: bend.through.iter().map(moved).collect(),
+                extra: bend.extra.clone(),
+            });
         }
     }
     Ok(names.into_values().collect())

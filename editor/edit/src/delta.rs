@@ -45,6 +45,10 @@ pub enum Change {
     Comments(Swap<Vec<Comment>>),
     /// The bends of wires.
     Bends(Swap<Vec<Bend>>),
+    /// A field of the graph that format 1 does not know.
+    Field(String, Swap<Option<Literal>>),
+    /// Such a field of the layout.
+    LayoutField(String, Swap<Option<Literal>>),
 }
 
 /// Everything that one edit changed.
@@ -81,6 +85,8 @@ impl Delta {
         if old.bends != new.bends {
             changes.push(Change::Bends(swap(&old.bends, &new.bends)));
         }
+        differences(&old.extra, &new.extra, |name, swap| changes.push(Change::LayoutField(name, swap)));
+        differences(&before.extra, &after.extra, |name, swap| changes.push(Change::Field(name, swap)));
         Self { changes }
     }
 
@@ -104,7 +110,8 @@ impl Delta {
             | Change::Position(..)
             | Change::Frames(_)
             | Change::Comments(_)
-            | Change::Bends(_) => false,
+            | Change::Bends(_)
+            | Change::LayoutField(..) => false,
             Change::Node(_, Swap { before: Some(before), after: Some(after) }) => {
                 let said = |node: &Node| Node { comment: String::new(), ..node.clone() };
                 said(before) != said(after)
@@ -203,6 +210,8 @@ impl Change {
             Self::Frames(swap) => Self::Frames(turned(swap)),
             Self::Comments(swap) => Self::Comments(turned(swap)),
             Self::Bends(swap) => Self::Bends(turned(swap)),
+            Self::Field(name, swap) => Self::Field(name.clone(), turned(swap)),
+            Self::LayoutField(name, swap) => Self::LayoutField(name.clone(), turned(swap)),
         }
     }
 
@@ -226,6 +235,8 @@ impl Change {
             Self::Frames(swap) => set(&mut document.layout.frames, swap),
             Self::Comments(swap) => set(&mut document.layout.comments, swap),
             Self::Bends(swap) => set(&mut document.layout.bends, swap),
+            Self::Field(name, swap) => entry(&mut document.extra, name, swap),
+            Self::LayoutField(name, swap) => entry(&mut document.layout.extra, name, swap),
         }
     }
 }

@@ -4,7 +4,7 @@ use indexmap::{IndexMap, IndexSet};
 use orograph_core::{Arity, NodeType, ValueType};
 use orograph_engine::{
     Document,
-    document::{Bend, Exposed, Frame, GRAPH, Link, Literal, Node, is_name},
+    document::{Bend, Exposed, Frame, GRAPH, Layout, Link, Literal, Node, is_name},
 };
 
 use crate::{Interfaces, Kind};
@@ -165,6 +165,11 @@ pub fn part(document: &Document, names: &[&str]) -> Document {
     part.nodes.retain(|name, _| kept.contains(name.as_str()));
     part.outputs.clear();
     part.expose.retain(|_, exposed| kept.contains(exposed.param.node.as_str()));
+    part.layout = Layout::default();
+    // Fields of a newer format change nothing that this one knows of.
+    part.extra.clear();
+    part.expose.values_mut().for_each(|exposed| exposed.extra.clear());
+    part.inputs.values_mut().for_each(|input| input.extra.clear());
     part
 }
 
@@ -356,7 +361,7 @@ pub fn bend(document: &mut Document, from: &Link, to: &Link, through: Vec<(f64, 
     let bends = &mut document.layout.bends;
     match bends.iter_mut().find(|bend| bend.from == *from && bend.to == *to) {
         Some(bend) => bend.through = through,
-        None => bends.push(Bend { from: from.clone(), to: to.clone(), through }),
+        None => bends.push(Bend { from: from.clone(), to: to.clone(), through, ..Bend::default() }),
     }
     bends.retain(|bend| !bend.through.is_empty());
 }
@@ -374,5 +379,9 @@ pub fn frame(document: &mut Document, title: &str, min: (f64, f64), max: (f64, f
     const TITLE: f64 = 28.0;
     let (x, y) = (min.0 - MARGIN, min.1 - MARGIN - TITLE);
     let (width, height) = (max.0 - min.0 + 2.0 * MARGIN, max.1 - min.1 + 2.0 * MARGIN + TITLE);
-    document.layout.frames.push(Frame { title: title.to_owned(), rect: (x, y, width, height) });
+    document.layout.frames.push(Frame {
+        title: title.to_owned(),
+        rect: (x, y, width, height),
+        ..Frame::default()
+    });
 }

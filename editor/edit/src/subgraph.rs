@@ -45,7 +45,9 @@ pub fn collapse(
                     let input = free(&link.port, |name| inner.inputs.contains_key(name));
                     let value_type = type_of(document, interfaces, link)?;
                     let doc = format!("As `{link}` of the graph around.");
-                    inner.inputs.insert(input.clone(), GraphInput { value_type, doc });
+                    inner
+                        .inputs
+                        .insert(input.clone(), GraphInput { value_type, doc, extra: IndexMap::new() });
                     outer.inputs.insert(input.clone(), vec![link.clone()]);
                     input
                 }

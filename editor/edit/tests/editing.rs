@@ -231,6 +231,22 @@ proptest! {
 }
 
 #[test]
+fn a_delta_has_the_fields_of_newer_formats_too() {
+    let parse = |text: &str| Document::parse(text, "x.ron").unwrap();
+    let (one, other) = (
+        parse("(format: 1, nodes: {}, layout: (zoom: 2), materials: {})"),
+        parse("(format: 1, nodes: {}, layout: (zoom: 3, grid: On))"),
+    );
+    let delta = Delta::between(&one, &other);
+    assert_eq!(delta.changes().len(), 3);
+    let mut document = one.clone();
+    delta.apply(&mut document).unwrap();
+    assert_eq!(document, other);
+    delta.inverse().apply(&mut document).unwrap();
+    assert_eq!(document, one);
+}
+
+#[test]
 fn a_drag_is_one_step_and_one_that_ends_where_it_began_is_none() {
     let registry = registry();
     let mut editing = Editing::new(chain(&registry));

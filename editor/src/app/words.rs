@@ -90,7 +90,7 @@ impl App {
                     }
                 }
                 Whose::NewComment if remove || empty => {}
-                Whose::NewComment => layout.comments.push(Comment { text, at }),
+                Whose::NewComment => layout.comments.push(Comment { text, at, ..Comment::default() }),
             }
             Ok(())
         });

@@ -43,7 +43,7 @@ fn what_cannot_be_opened_is_told_with_the_mend_and_left_alone() {
     for (text, why, mend) in [
         ("(format: 2, graph: [])", "graph format 2 is unknown", "a newer one may read this file"),
         (
-            "(format: 1, nodes: {}, materials: {})",
+            "(format: 1, nodes: 3, materials: {})",
             "there is no field `materials` here",
             "the fields are format",
         ),
@@ -95,6 +95,32 @@ fn what_is_not_known_is_saved_back_unchanged() {
     let mut expected = Document::parse(&newer(), "newer").unwrap();
     expected.nodes["shade"].bypass = true;
     assert_eq!(Document::parse(&saved, "saved").unwrap(), expected, "fields of nodes that are known as well");
+}
+
+/// The chain with fields of a newer format wherever a format could get some.
+fn with_fields() -> String {
+    crate::common::CHAIN
+        .replace("    nodes: {\n", "    expose: {\"size\": (param: \"hills.cells\", group: Ground(1))},\n    nodes: {\n")
+        .replace(
+            "layout: (nodes:",
+            "materials: {\"rock\": (rough: 0.5)},\n    layout: (zoom: 2.5, \
+             frames: [(title: \"a\", rect: (-40, -40, 200, 300), colour: Red)], \
+             comments: [(text: \"b\", at: (0, 500), to: \"all\")], \
+             bends: [(from: \"hills.terrain\", to: \"soft.terrain\", through: [(240, 60)], style: Step)], nodes:",
+        )
+}
+
+#[test]
+fn fields_of_a_newer_format_are_told_kept_and_hinder_nothing_but_the_build() {
+    let (place, mut editor) = opened(&with_fields());
+    assert!(says(&editor, "6 problems"));
+    select(&mut editor, "shade");
+    assert!(matches!(editor.state().app().shown(), Some(Value::Texture(_))), "the rest runs");
+    press(&mut editor, Modifiers::NONE, Key::B);
+    press(&mut editor, CTRL, Key::S);
+    let mut expected = Document::parse(&with_fields(), "newer").unwrap();
+    expected.nodes["shade"].bypass = true;
+    assert_eq!(Document::load(&place.graph).unwrap(), expected);
 }
 
 #[test]

@@ -11,7 +11,7 @@ use indexmap::IndexMap;
 use super::{Compiler, MAX_DEPTH, MAX_NODES, suggest};
 use crate::{
     NodeId,
-    document::{Body, Document, DocumentError, NODE_FIELDS},
+    document::{Body, Document, DocumentError, NODE_FIELDS, unknown_fields},
 };
 
 /// A document where it is used: errors about it tell the node of the outermost document that they are found at.
@@ -89,6 +89,12 @@ impl Compiler<'_> {
         if files.n_nodes > MAX_NODES {
             let message = format!("the graph has more than {MAX_NODES} nodes, subgraphs laid flat");
             return self.report(DocumentError::new(message).help("use fewer or smaller subgraphs"));
+        }
+        for (path, known) in unknown_fields(&document) {
+            let path: Vec<&str> = path.iter().map(String::as_str).collect();
+            let field = path[path.len() - 1];
+            let unknown = document.error_at_key(&path, format!("there is no field `{field}` here"));
+            self.report(unknown.help(suggest(field, known.iter().copied(), "fields")));
         }
         for (name, node) in &document.nodes {
             let Body::Graph { path } = &node.body else { continue };

@@ -20,7 +20,7 @@ pub(crate) use error::SourceText;
 pub use error::{DocumentError, DocumentErrors};
 pub use literal::Literal;
 pub(crate) use literal::quote;
-pub(crate) use read::NODE_FIELDS;
+pub(crate) use read::{NODE_FIELDS, unknown_fields};
 use syntax::{Parsed, Shape, Tree};
 pub(crate) use write::node_ron;
 
@@ -48,6 +48,8 @@ pub struct Document {
     pub nodes: IndexMap<String, Node>,
     /// Where an editor shows what.
     pub layout: Layout,
+    /// Fields that format 1 does not know: kept, and told as faults.
+    pub extra: IndexMap<String, Literal>,
     source: Option<Arc<Source>>,
 }
 
@@ -98,6 +100,8 @@ pub struct Exposed {
     pub doc: String,
     /// Hard limits, inside those of the node's own parameter.
     pub range: Option<(f64, f64)>,
+    /// Fields that format 1 does not know: kept, and told as faults.
+    pub extra: IndexMap<String, Literal>,
 }
 
 /// An input of a graph.
@@ -107,6 +111,8 @@ pub struct GraphInput {
     pub value_type: ValueType,
     /// What it carries.
     pub doc: String,
+    /// Fields that format 1 does not know: kept, and told as faults.
+    pub extra: IndexMap<String, Literal>,
 }
 
 /// `node.port`, or `node.param` where a parameter is meant.
@@ -209,28 +215,34 @@ pub struct Layout {
     pub comments: Vec<Comment>,
     /// Wires that do not run straight.
     pub bends: Vec<Bend>,
+    /// Fields that format 1 does not know: kept, and told as faults.
+    pub extra: IndexMap<String, Literal>,
 }
 
 /// A titled rectangle.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Frame {
     /// Its title.
     pub title: String,
     /// Left, top, width, height.
     pub rect: (f64, f64, f64, f64),
+    /// Fields that format 1 does not know: kept, and told as faults.
+    pub extra: IndexMap<String, Literal>,
 }
 
 /// Words on the canvas, about no node in particular.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Comment {
     /// The words.
     pub text: String,
     /// Their left and top.
     pub at: (f64, f64),
+    /// Fields that format 1 does not know: kept, and told as faults.
+    pub extra: IndexMap<String, Literal>,
 }
 
 /// The places that a wire is led through on its way.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bend {
     /// The output that the wire starts from.
     pub from: Link,
@@ -238,6 +250,8 @@ pub struct Bend {
     pub to: Link,
     /// The places, in the wire's direction.
     pub through: Vec<(f64, f64)>,
+    /// Fields that format 1 does not know: kept, and told as faults.
+    pub extra: IndexMap<String, Literal>,
 }
 
 /// Equal when they say the same, wherever they were read from and in whichever order.
@@ -250,6 +264,7 @@ impl PartialEq for Document {
             && self.outputs == other.outputs
             && self.nodes == other.nodes
             && self.layout == other.layout
+            && self.extra == other.extra
     }
 }
 

@@ -11,24 +11,81 @@ use super::{
 use crate::registry::nearest;
 
 const DOCUMENT: [&str; 7] = ["format", "doc", "expose", "inputs", "outputs", "nodes", "layout"];
+const EXPOSED: [&str; 3] = ["param", "doc", "range"];
+const INPUT: [&str; 2] = ["type", "doc"];
+const LAYOUT: [&str; 4] = ["nodes", "frames", "comments", "bends"];
+const FRAME: [&str; 2] = ["title", "rect"];
+const COMMENT: [&str; 2] = ["text", "at"];
+const BEND: [&str; 3] = ["from", "to", "through"];
 pub(crate) const NODE_FIELDS: [&str; 8] =
     ["node", "version", "graph", "params", "inputs", "bypass", "comment", "plugin"];
 
 pub(super) fn document(source: &SourceText, tree: &Tree) -> Result<Document, DocumentErrors> {
-    let mut reader = Reader { source, errors: Vec::new() };
+    let mut reader = Reader { source, errors: Vec::new(), unknown: Vec::new() };
     let document = reader.document(tree);
-    if reader.errors.is_empty() { Ok(document) } else { Err(DocumentErrors::new(reader.errors)) }
+    if reader.errors.is_empty() {
+        return Ok(document);
+    }
+    // Beside what cannot be read they are slips of the pen, and may be what is wrong.
+    reader.errors.append(&mut reader.unknown);
+    Err(DocumentErrors::new(reader.errors))
+}
+
+/// The mend of a field that is not known.
+fn field_help(name: &str, known: &[&str]) -> String {
+    match nearest(name, known.iter().copied()) {
+        Some(near) => format!("did you mean `{near}`?"),
+        None => format!("the fields are {}", known.join(", ")),
+    }
+}
+
+/// Where a field stands that format 1 does not know, and the fields that it knows there.
+type UnknownField = (Vec<String>, &'static [&'static str]);
+
+/// The fields of all but nodes that format 1 does not know.
+pub(crate) fn unknown_fields(document: &Document) -> Vec<UnknownField> {
+    let mut unknown = Vec::new();
+    let mut add = |place: &[&str], extra: &IndexMap<String, Literal>, known: &'static [&'static str]| {
+        for field in extra.keys() {
+            let path = place.iter().map(|step| (*step).to_owned()).chain([field.clone()]).collect();
+            unknown.push((path, known));
+        }
+    };
+    add(&[], &document.extra, &DOCUMENT);
+    for (name, exposed) in &document.expose {
+        add(&["expose", name], &exposed.extra, &EXPOSED);
+    }
+    for (name, input) in &document.inputs {
+        add(&["inputs", name], &input.extra, &INPUT);
+    }
+    let layout = &document.layout;
+    add(&["layout"], &layout.extra, &LAYOUT);
+    for (index, frame) in layout.frames.iter().enumerate() {
+        add(&["layout", "frames", &index.to_string()], &frame.extra, &FRAME);
+    }
+    for (index, comment) in layout.comments.iter().enumerate() {
+        add(&["layout", "comments", &index.to_string()], &comment.extra, &COMMENT);
+    }
+    for (index, bend) in layout.bends.iter().enumerate() {
+        add(&["layout", "bends", &index.to_string()], &bend.extra, &BEND);
+    }
+    unknown
 }
 
 /// The node that `tree` describes, when it describes one without fault.
 pub(super) fn node_of(source: &SourceText, tree: &Tree) -> Option<Node> {
-    let mut reader = Reader { source, errors: Vec::new() };
+    let mut reader = Reader { source, errors: Vec::new(), unknown: Vec::new() };
     reader.node("", tree).filter(|_| reader.errors.is_empty())
 }
+
+/// Fields that are known, and those that are not.
+type Fields<'t> = (IndexMap<&'t str, &'t Entry>, IndexMap<String, Literal>);
 
 struct Reader<'a> {
     source: &'a SourceText,
     errors: Vec<DocumentError>,
+    /// Fields that are kept, though not known.
+    unknown: Vec<DocumentError>,
 }
 
 impl<'a> Reader<'a> {
@@ -72,27 +129,33 @@ impl<'a> Reader<'a> {
         by_name
     }
 
-    /// The fields of a struct, none but the `known`.
-    fn fields<'t>(&mut self, tree: &'t Tree, what: &str, known: &[&str]) -> IndexMap<&'t str, &'t Entry>
+    /// The fields of a struct: the `known`, and what others hold.
+    fn fields<'t>(&mut self, tree: &'t Tree, what: &str, known: &[&str]) -> Fields<'t>
     where
         'a: 't,
     {
         let mut fields = self.entries(tree, what);
+        let mut extra = IndexMap::new();
         fields.retain(|name, entry| {
             if !known.contains(name) {
-                self.unknown_field(name, entry, known);
+                self.keep(&mut extra, name, entry);
+                if self.unknown.len() < DocumentErrors::MOST {
+                    let message = format!("there is no field `{name}` here");
+                    let error = DocumentError::at(self.source, Some(entry.key.span.clone()), message);
+                    self.unknown.push(error.help(field_help(name, known)));
+                }
             }
             known.contains(name)
         });
-        fields
+        (fields, extra)
     }
 
-    fn unknown_field(&mut self, name: &str, entry: &Entry, known: &[&str]) {
-        let help = match nearest(name, known.iter().copied()) {
-            Some(near) => format!("did you mean `{near}`?"),
-            None => format!("the fields are {}", known.join(", ")),
-        };
-        self.report(&entry.key, format!("there is no field `{name}` here"), Some(help));
+    /// Keeps a field that is not known, as long as it can be written back.
+    fn keep(&mut self, extra: &mut IndexMap<String, Literal>, name: &str, entry: &Entry) {
+        if !matches!(entry.key.shape, Shape::Word) {
+            self.expected(&entry.key, "a field's name without quotes");
+        }
+        extra.insert(name.to_owned(), Literal::of(&entry.value, self.text()));
     }
 
     /// A map of named things, each read by `each`.
@@ -191,7 +254,8 @@ impl<'a> Reader<'a> {
             },
         }
         let mut document = Document::new();
-        let fields = self.fields(tree, "a graph in parentheses", &DOCUMENT);
+        let (fields, extra) = self.fields(tree, "a graph in parentheses", &DOCUMENT);
+        document.extra = extra;
         if !fields.contains_key("nodes") {
             let start = Tree { span: tree.span.start..tree.span.start + 1, shape: Shape::Other };
             self.report(&start, "the graph has no `nodes`", Some("write `nodes: {}` for none".into()));
@@ -215,8 +279,8 @@ impl<'a> Reader<'a> {
     }
 
     fn exposed(&mut self, _: &str, tree: &Tree) -> Option<Exposed> {
-        let fields = self.fields(tree, "`(param: \"node.param\")`", &["param", "doc", "range"]);
-        let mut exposed = Exposed::default();
+        let (fields, extra) = self.fields(tree, "`(param: \"node.param\")`", &EXPOSED);
+        let mut exposed = Exposed { extra, ..Exposed::default() };
         if let Some(entry) = fields.get("doc") {
             exposed.doc = self.string(&entry.value)?;
         }
@@ -236,7 +300,7 @@ impl<'a> Reader<'a> {
     }
 
     fn input(&mut self, _: &str, tree: &Tree) -> Option<GraphInput> {
-        let fields = self.fields(tree, "`(type: Heightfield)`", &["type", "doc"]);
+        let (fields, extra) = self.fields(tree, "`(type: Heightfield)`", &INPUT);
         let doc = match fields.get("doc") {
             Some(entry) => self.string(&entry.value)?,
             None => String::new(),
@@ -252,7 +316,7 @@ impl<'a> Reader<'a> {
             return None;
         };
         match value_type(name) {
-            Ok(value_type) => Some(GraphInput { value_type, doc }),
+            Ok(value_type) => Some(GraphInput { value_type, doc, extra }),
             Err(help) => {
                 self.report(&entry.value, format!("there is no type `{name}`"), Some(help));
                 None
@@ -292,12 +356,7 @@ impl<'a> Reader<'a> {
                 "comment" => node.comment = self.string(value).unwrap_or_default(),
                 "plugin" => node.plugin = self.string(value).unwrap_or_default(),
                 name if NODE_FIELDS.contains(&name) => {}
-                _ => {
-                    if !matches!(entry.key.shape, Shape::Word) {
-                        self.expected(&entry.key, "a field's name without quotes");
-                    }
-                    node.extra.insert(name.to_owned(), Literal::of(value, self.text()));
-                }
+                _ => self.keep(&mut node.extra, name, entry),
             }
         }
         node.body = body?;
@@ -369,9 +428,8 @@ impl<'a> Reader<'a> {
     }
 
     fn layout(&mut self, tree: &Tree) -> Layout {
-        const FIELDS: [&str; 4] = ["nodes", "frames", "comments", "bends"];
-        let fields = self.fields(tree, "`(nodes: {…}, frames: […])`", &FIELDS);
-        let mut layout = Layout::default();
+        let (fields, extra) = self.fields(tree, "`(nodes: {…}, frames: […])`", &LAYOUT);
+        let mut layout = Layout { extra, ..Layout::default() };
         if let Some(entry) = fields.get("nodes") {
             layout.nodes = self.named(&entry.value, "a map of positions", |reader, _, tree| {
                 reader.numbers(tree).map(|[x, y]| (x, y))
@@ -414,31 +472,31 @@ impl<'a> Reader<'a> {
     }
 
     fn comment(&mut self, tree: &Tree) -> Option<Comment> {
-        let fields = self.fields(tree, "`(text: \"…\", at: (x, y))`", &["text", "at"]);
+        let (fields, extra) = self.fields(tree, "`(text: \"…\", at: (x, y))`", &COMMENT);
         let (text, at) = (self.needed(tree, &fields, "text"), self.needed(tree, &fields, "at"));
         let (text, [x, y]) = (self.string(text?)?, self.numbers(at?)?);
-        Some(Comment { text, at: (x, y) })
+        Some(Comment { text, at: (x, y), extra })
     }
 
     fn bend(&mut self, tree: &Tree) -> Option<Bend> {
         let what = "`(from: \"node.output\", to: \"node.input\", through: [(x, y), …])`";
-        let fields = self.fields(tree, what, &["from", "to", "through"]);
+        let (fields, extra) = self.fields(tree, what, &BEND);
         let (from, to) = (self.needed(tree, &fields, "from"), self.needed(tree, &fields, "to"));
         let (from, to) = (self.link(from?, "node.output")?, self.link(to?, "node.input")?);
         let through = self.list(fields.get("through").copied(), "a list of places", |reader, tree| {
             reader.numbers(tree).map(|[x, y]| (x, y))
         });
-        Some(Bend { from, to, through })
+        Some(Bend { from, to, through, extra })
     }
 
     fn frame(&mut self, tree: &Tree) -> Option<Frame> {
-        let fields = self.fields(tree, "`(title: \"…\", rect: (x, y, width, height))`", &["title", "rect"]);
+        let (fields, extra) = self.fields(tree, "`(title: \"…\", rect: (x, y, width, height))`", &FRAME);
         let title = match fields.get("title") {
             Some(entry) => self.string(&entry.value)?,
             None => String::new(),
         };
         let rect = self.needed(tree, &fields, "rect")?;
         let [x, y, width, height] = self.numbers(rect)?;
-        Some(Frame { title, rect: (x, y, width, height) })
+        Some(Frame { title, rect: (x, y, width, height), extra })
     }
 }

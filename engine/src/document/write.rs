@@ -2,6 +2,8 @@
 
 use std::fmt::Write;
 
+use indexmap::IndexMap;
+
 use super::{
     Bend, Body, Comment, Document, FORMAT, Layout, Link, Literal, Node, canonical_header, quote,
     syntax::is_space,
@@ -69,11 +71,13 @@ impl Writer {
             if let Some((low, high)) = exposed.range {
                 let _ = write!(text, ", range: ({low:?}, {high:?})");
             }
+            push_extra(&mut text, &exposed.extra);
             (name.clone(), text + ")")
         });
         self.map("inputs", document.inputs.iter(), |(name, input)| {
             let mut text = format!("(type: {}", input.value_type);
             push_doc(&mut text, &input.doc);
+            push_extra(&mut text, &input.extra);
             (name.clone(), text + ")")
         });
         self.map("outputs", document.outputs.iter(), |(name, link)| (name.clone(), quote(&link.to_string())));
@@ -87,6 +91,7 @@ impl Writer {
             self.line(1, "},");
         }
         self.layout(document);
+        self.extra(1, &document.extra);
         self.line(0, ")");
     }
 
@@ -129,10 +134,15 @@ impl Writer {
         if !node.plugin.is_empty() {
             self.line(depth + 1, &format!("plugin: {},", quote(&node.plugin)));
         }
-        for (name, value) in sorted(node.extra.iter()) {
-            self.line(depth + 1, &format!("{name}: {},", value.to_ron()));
-        }
+        self.extra(depth + 1, &node.extra);
         self.line(depth, "),");
+    }
+
+    /// Fields that this format does not know.
+    fn extra(&mut self, depth: usize, fields: &IndexMap<String, Literal>) {
+        for (name, value) in sorted(fields.iter()) {
+            self.line(depth, &format!("{name}: {},", value.to_ron()));
+        }
     }
 
     /// A field of a node that holds a group: on one line where it fits.
@@ -170,26 +180,33 @@ impl Writer {
             for frame in &layout.frames {
                 let (x, y, width, height) = frame.rect;
                 let title = quote(&frame.title);
-                self.line(3, &format!("(title: {title}, rect: ({x:?}, {y:?}, {width:?}, {height:?})),"));
+                let mut text = format!("(title: {title}, rect: ({x:?}, {y:?}, {width:?}, {height:?})");
+                push_extra(&mut text, &frame.extra);
+                self.line(3, &format!("{text}),"));
             }
             self.line(2, "],");
         }
         if !layout.comments.is_empty() {
             self.line(2, "comments: [");
-            for Comment { text, at: (x, y) } in &layout.comments {
-                self.line(3, &format!("(text: {}, at: ({x:?}, {y:?})),", quote(text)));
+            for Comment { text, at: (x, y), extra } in &layout.comments {
+                let mut text = format!("(text: {}, at: ({x:?}, {y:?})", quote(text));
+                push_extra(&mut text, extra);
+                self.line(3, &format!("{text}),"));
             }
             self.line(2, "],");
         }
         if !layout.bends.is_empty() {
             self.line(2, "bends: [");
-            for Bend { from, to, through } in &layout.bends {
+            for Bend { from, to, through, extra } in &layout.bends {
                 let places: Vec<_> = through.iter().map(|(x, y)| format!("({x:?}, {y:?})")).collect();
                 let (from, to) = (quote(&from.to_string()), quote(&to.to_string()));
-                self.line(3, &format!("(from: {from}, to: {to}, through: [{}]),", places.join(", ")));
+                let mut text = format!("(from: {from}, to: {to}, through: [{}]", places.join(", "));
+                push_extra(&mut text, extra);
+                self.line(3, &format!("{text}),"));
             }
             self.line(2, "],");
         }
+        self.extra(2, &layout.extra);
         self.line(1, "),");
     }
 }
@@ -218,6 +235,12 @@ fn is_known(node: &Node, registry: &Registry) -> bool {
 fn push_doc(text: &mut String, doc: &str) {
     if !doc.is_empty() {
         let _ = write!(text, ", doc: {}", quote(doc));
+    }
+}
+
+fn push_extra(text: &mut String, extra: &IndexMap<String, Literal>) {
+    for (name, value) in sorted(extra.iter()) {
+        let _ = write!(text, ", {name}: {}", value.to_ron());
     }
 }
 
