@@ -5,17 +5,19 @@
 
 use std::{
     fmt::Write as _,
-    path::PathBuf,
+    path::{Path, PathBuf},
     sync::Arc,
     time::{Duration, Instant},
 };
 
 use eframe::egui::{self, Event, Modifiers, PointerButton, Pos2, RawInput, Rect, pos2, vec2};
+use orograph_core::Value;
 use orograph_editor::{App, Command, Start};
 use orograph_engine::{Cache, Evaluator};
 
 const NODES: usize = 500;
 const FRAMES: usize = 200;
+const LARGE: usize = 8192;
 
 fn main() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -38,12 +40,7 @@ fn main() {
     // Larger, until names can just be read: more nodes with all that is in them are never seen at once.
     while window.app.to_window().scaling < 0.36 {
         window.events.push(Event::PointerMoved(pos2(500.0, 650.0)));
-        window.events.push(Event::MouseWheel {
-            unit: egui::MouseWheelUnit::Line,
-            delta: vec2(0.0, 0.5),
-            phase: egui::TouchPhase::Move,
-            modifiers: Modifiers::NONE,
-        });
+        window.wheel(0.5);
         window.frame();
     }
     let scale = window.app.to_window().scaling;
@@ -67,6 +64,33 @@ fn main() {
             window.drag(still, n % 50, 50);
         },
     );
+    large(folder.path());
+}
+
+/// The frames in which a picture of `LARGE`² cells comes into a pane, is looked at closely and is walked around.
+fn large(folder: &Path) {
+    let file = folder.join("large.ron");
+    let text = format!(
+        "(format: 1, nodes: {{\"small\": (node: \"generate.fbm\", version: 1, params: (cells: 256)),
+        \"large\": (node: \"transform.resize\", version: 1, params: (cells: {LARGE}),
+        inputs: {{\"terrain\": \"small.terrain\"}})}}, layout: (nodes: {{\"small\": (0, 0), \"large\": (400, 0)}}))"
+    );
+    std::fs::write(&file, text).expect("a graph");
+    let mut window = Window::new(file);
+    window.command(Command::Thumbnails);
+    // Opened, it is shown at once.
+    window.told(&format!("a picture of {LARGE}² cells comes"), 10 * FRAMES, |_, _| {});
+    window.rest();
+    let cols = match window.app.shown() {
+        Some(Value::Heightfield(terrain)) => terrain.cols(),
+        _ => 0,
+    };
+    assert_eq!(cols, LARGE, "it is shown: {:?} {:?}", window.app.selection(), window.app.told());
+    let middle = pos2(480.0, 250.0);
+    window.told("it is enlarged", FRAMES, |window, n| {
+        window.events.push(Event::PointerMoved(middle + vec2((n % 7) as f32, 0.0)));
+        window.wheel(if n < FRAMES / 2 { 1.0 } else { -1.0 });
+    });
 }
 
 /// Rows of nodes wired along, with blurs that take a while.
@@ -114,6 +138,7 @@ impl Window {
         let input = RawInput {
             screen_rect: Some(Rect::from_min_size(Pos2::ZERO, vec2(1440.0, 900.0))),
             time: Some(self.time),
+            max_texture_side: Some(16384),
             events: std::mem::take(&mut self.events),
             ..RawInput::default()
         };
@@ -142,27 +167,34 @@ impl Window {
         }
     }
 
+    fn wheel(&mut self, lines: f32) {
+        self.events.push(Event::MouseWheel {
+            unit: egui::MouseWheelUnit::Line,
+            delta: vec2(0.0, lines),
+            phase: egui::TouchPhase::Move,
+            modifiers: Modifiers::NONE,
+        });
+    }
+
     /// Where a node's title is in the window.
     fn node(&self, n: usize) -> Pos2 {
         let (x, y) = self.app.document().layout.nodes[&format!("n{n}")];
         self.app.to_window() * (pos2(x as f32, y as f32) + vec2(70.0, 22.0))
     }
 
+    fn button(pos: Pos2, pressed: bool) -> Event {
+        Event::PointerButton { pos, button: PointerButton::Primary, pressed, modifiers: Modifiers::NONE }
+    }
+
     /// The `n`th of `of` frames of a drag that ends where it began.
     fn drag(&mut self, from: Pos2, n: usize, of: usize) {
-        let button = |pressed| Event::PointerButton {
-            pos: from,
-            button: PointerButton::Primary,
-            pressed,
-            modifiers: Modifiers::NONE,
-        };
         let away = (n.min(of - n)) as f32;
         self.events.push(Event::PointerMoved(from + vec2(away, away / 2.0)));
         if n == 0 {
-            self.events.push(button(true));
+            self.events.push(Self::button(from, true));
         }
         if n + 1 == of {
-            self.events.push(button(false));
+            self.events.push(Self::button(from, false));
         }
     }
 

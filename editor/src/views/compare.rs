@@ -96,7 +96,7 @@ impl Compare {
 
     fn wipe(&mut self, ui: &mut egui::Ui, left: &mut Pane, right: &mut Pane) {
         let both = [&*left, &*right].map(|pane| pane.picture.texture());
-        let [Some(first), Some(second)] = both else {
+        let [Some(_), Some(_)] = both else {
             ui.set_min_size(ui.available_size());
             let missing = if both[0].is_none() { &*left } else { &*right };
             let title = missing.output.as_ref().map_or_else(|| "nothing".to_owned(), ToString::to_string);
@@ -117,11 +117,10 @@ impl Compare {
             [Some(a), Some(b)] => place_of(place, a, b),
             _ => place,
         };
-        let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
         let (west, east) = (rect.with_max_x(x), rect.with_min_x(x));
         let painter = ui.painter_at(rect);
-        painter.with_clip_rect(west).image(first, place, uv, Color32::WHITE);
-        painter.with_clip_rect(east).image(second, other_place, uv, Color32::WHITE);
+        left.picture.paint(&painter.with_clip_rect(west), place);
+        right.picture.paint(&painter.with_clip_rect(east), other_place);
         let ends = [pos2(x, rect.top()), pos2(x, rect.bottom())];
         painter.line_segment(ends, Stroke::new(4.0, Color32::from_black_alpha(170)));
         painter.line_segment(ends, Stroke::new(2.0, Color32::WHITE));

@@ -11,7 +11,10 @@ mod plot;
 mod probe;
 mod series;
 mod table;
+mod tiles;
 mod view;
+
+use std::sync::Arc;
 
 use eframe::egui;
 use orograph_core::{Texture, Value, ValueType};
@@ -277,9 +280,9 @@ impl Pane {
     }
 }
 
-fn texture_of(value: &Value) -> Option<&Texture> {
+fn texture_of(value: &Value) -> Option<Arc<Texture>> {
     match value {
-        Value::Texture(texture) => Some(texture),
+        Value::Texture(texture) => Some(texture.clone()),
         _ => None,
     }
 }
@@ -297,22 +300,6 @@ fn words(value: &Value) -> String {
     }
 }
 
-/// A texture as the window takes it, made smaller where the window's limit asks for that.
-fn image_of(texture: &Texture, most: usize) -> egui::ColorImage {
-    let (rows, cols) = (texture.rows(), texture.cols());
-    let step = rows.max(cols).div_ceil(most.max(1)).max(1);
-    let (height, width) = (rows.div_ceil(step), cols.div_ceil(step));
-    let mut pixels = Vec::with_capacity(height * width);
-    for row in (0..rows).step_by(step) {
-        let cells = texture.row(row);
-        for cell in cells.iter().step_by(step) {
-            let [r, g, b, a] = *cell;
-            pixels.push(egui::Color32::from_rgba_unmultiplied(r, g, b, a));
-        }
-    }
-    egui::ColorImage::new([width, height], pixels)
-}
-
 /// A small picture for a node.
 #[must_use]
 pub fn thumbnail(ctx: &egui::Context, name: &str, shown: &Shown) -> Option<egui::TextureHandle> {
@@ -321,7 +308,8 @@ pub fn thumbnail(ctx: &egui::Context, name: &str, shown: &Shown) -> Option<egui:
         (Some(Value::Texture(texture)), _) | (None, Value::Texture(texture)) => texture,
         _ => return None,
     };
-    let image = image_of(texture, SIZE);
+    let all = [texture.rows(), texture.cols()];
+    let image = tiles::sampled(texture, [0, 0], all, tiles::step(texture, SIZE));
     // Square, so that all nodes are alike: the picture stands in the middle.
     let side = image.size[0].max(image.size[1]).max(1);
     let mut square = egui::ColorImage::filled([side, side], egui::Color32::TRANSPARENT);

@@ -1,40 +1,43 @@
 //! A picture that can be moved, enlarged, measured and drawn upon.
 
-use eframe::egui::{self, Color32, Pos2, Rect, Stroke, Vec2, pos2, vec2};
+use std::sync::Arc;
+
+use eframe::egui::{self, Color32, Pos2, Rect, Stroke, Vec2, vec2};
 use orograph_core::Texture;
 
 use super::{
-    Asked, Strokes, Tool, image_of,
+    Asked, Strokes, Tool,
     legend::Legend,
     probe::Probe,
+    tiles::Tiles,
     view::{self, View},
 };
 
 /// A picture and where one looks at it.
 #[derive(Default)]
 pub struct Picture {
-    texture: Option<egui::TextureHandle>,
+    tiles: Option<Tiles>,
     pub(super) size: Vec2,
     pub(super) view: View,
     stroke: Vec<[f64; 2]>,
 }
 
 impl Picture {
-    pub(super) fn show(&mut self, ctx: &egui::Context, name: &str, texture: Option<&Texture>) {
-        self.texture = texture.map(|texture| {
-            self.size = vec2(texture.cols() as f32, texture.rows() as f32);
-            let most = ctx.input(|input| input.max_texture_side);
-            let options = egui::TextureOptions {
-                magnification: egui::TextureFilter::Nearest,
-                minification: egui::TextureFilter::Linear,
-                ..egui::TextureOptions::LINEAR
-            };
-            ctx.load_texture(name, image_of(texture, most), options)
-        });
+    pub(super) fn show(&mut self, ctx: &egui::Context, name: &str, texture: Option<Arc<Texture>>) {
+        self.tiles = texture.map(|texture| Tiles::new(ctx, name, texture));
+        self.size = self.tiles.as_ref().map_or(self.size, Tiles::size);
     }
 
+    /// All of it as one texture, which leaves cells of a large picture out.
     pub(super) fn texture(&self) -> Option<egui::TextureId> {
-        self.texture.as_ref().map(egui::TextureHandle::id)
+        self.tiles.as_ref().map(Tiles::whole)
+    }
+
+    /// Paints it where it lies.
+    pub(super) fn paint(&mut self, painter: &egui::Painter, place: Rect) {
+        if let Some(tiles) = &mut self.tiles {
+            tiles.paint(painter, place);
+        }
     }
 
     pub(super) fn ui(
@@ -46,7 +49,6 @@ impl Picture {
         tool: Tool,
         strokes: &Strokes,
     ) -> Vec<Asked> {
-        let Some(texture) = self.texture() else { return Vec::new() };
         let (rect, response) = ui.allocate_exact_size(ui.available_size(), egui::Sense::click_and_drag());
         response.widget_info(|| {
             egui::WidgetInfo::labeled(egui::WidgetType::Image, true, format!("picture {name}"))
@@ -54,8 +56,7 @@ impl Picture {
         self.navigate(ui, &response, rect, tool);
         let place = self.place(rect);
         let painter = ui.painter_at(rect);
-        let uv = Rect::from_min_max(pos2(0.0, 0.0), pos2(1.0, 1.0));
-        painter.image(texture, place, uv, Color32::WHITE);
+        self.paint(&painter, place);
         let mut asked = Vec::new();
         if tool != Tool::Look {
             self.draw(&response, place, tool, &mut asked);

@@ -39,17 +39,9 @@ impl Relief {
         if rows < 2 || cols < 2 {
             return Err("Ground needs two rows and two columns at least: look at it in 2D");
         }
-        let finite = || terrain.cells().iter().copied().filter(|height| height.is_finite());
-        let low = f64::from(finite().fold(f32::INFINITY, f32::min));
-        let high = f64::from(finite().fold(f32::NEG_INFINITY, f32::max));
-        if low > high {
-            return Err("There is no ground to see: every cell is a void");
-        }
         let cell = terrain.grid().cell;
         let (width, depth) = (cell.x * (cols - 1) as f64, cell.y * (rows - 1) as f64);
         let scale = 2.0 / width.max(depth);
-        let squeezed = ((high - low) * scale / (2.0 * HIGHEST)).max(1.0);
-        let (middle, scale_z) = (f64::midpoint(low, high), scale / squeezed);
         let step = [cell.y * scale, cell.x * scale];
         let extent = [depth * scale / 2.0, width * scale / 2.0];
         let chosen = |of: usize| -> Vec<usize> {
@@ -63,14 +55,29 @@ impl Relief {
         let share = |at: &[usize], of: usize| -> Vec<f32> {
             at.iter().map(|i| (*i as f32 + 0.5) / of as f32).collect()
         };
-        let mut zs = Vec::with_capacity(at_rows.len() * at_cols.len());
-        for row in &at_rows {
-            let heights = terrain.row(*row);
-            zs.extend(at_cols.iter().map(|col| {
-                let height = heights[*col];
-                if height.is_finite() { ((f64::from(height) - middle) * scale_z) as f32 } else { f32::NAN }
-            }));
+        let heights: Vec<f32> = at_rows
+            .iter()
+            .flat_map(|row| {
+                let heights = terrain.row(*row);
+                at_cols.iter().map(|col| heights[*col])
+            })
+            .collect();
+        // Of what is drawn, which is soon looked through however large the terrain is.
+        let finite = || heights.iter().copied().filter(|height| height.is_finite());
+        let low = f64::from(finite().fold(f32::INFINITY, f32::min));
+        let high = f64::from(finite().fold(f32::NEG_INFINITY, f32::max));
+        if low > high {
+            return Err("There is no ground to see: every cell is a void");
         }
+        let squeezed = ((high - low) * scale / (2.0 * HIGHEST)).max(1.0);
+        let (middle, scale_z) = (f64::midpoint(low, high), scale / squeezed);
+        let zs: Vec<f32> = heights
+            .iter()
+            .map(|height| match height.is_finite() {
+                true => ((f64::from(*height) - middle) * scale_z) as f32,
+                false => f32::NAN,
+            })
+            .collect();
         let known = |row: usize, col: usize| !zs[row * at_cols.len() + col].is_nan();
         let square = |(row, col)| {
             known(row, col) && known(row, col + 1) && known(row + 1, col) && known(row + 1, col + 1)
