@@ -243,40 +243,6 @@ impl App {
         }
     }
 
-    /// Folds nodes into the graph file `path`.
-    pub(super) fn collapse(&mut self, names: &[String], path: &std::path::Path) {
-        let folder = self.folder();
-        let name = match path.strip_prefix(&folder) {
-            Ok(inside) if !folder.as_os_str().is_empty() => inside.to_string_lossy().replace('\\', "/"),
-            _ => {
-                self.complain("Save the graph first, and the subgraph into its folder: graphs name each other relative to themselves");
-                return;
-            }
-        };
-        if name.contains('/') {
-            self.complain(
-                "Save the subgraph beside the graph: files that its nodes read are named relative to that",
-            );
-            return;
-        }
-        let refs: Vec<&str> = names.iter().map(String::as_str).collect();
-        let mut inner = None;
-        let node = self.edit("collapse", |document, interfaces| {
-            let (graph, node) = subgraph::collapse(document, interfaces, &refs, &name)?;
-            inner = Some(graph);
-            Ok(node)
-        });
-        let (Some(node), Some(inner)) = (node, inner) else { return };
-        let text = inner.to_ron(&self.registry);
-        if let Err(error) = orograph_engine::save_whole(path, text.as_bytes()) {
-            self.editing.undo();
-            self.complain(format!("{}: {error}", path.display()));
-            return;
-        }
-        self.interfaces.forget_graphs();
-        self.canvas.select([node]);
-    }
-
     fn align(&mut self, ctx: &egui::Context, names: &[&str], left: bool) {
         let Some((min, _)) = self.canvas.bounds(ctx, names) else { return };
         let automatic = self.canvas.automatic().clone();

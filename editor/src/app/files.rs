@@ -16,7 +16,7 @@ impl App {
         self.interfaces = Interfaces::new(self.registry.clone(), folder);
         self.editing = Editing::new(document);
         self.file = file;
-        self.writing = None;
+        (self.writing, self.folding) = (None, None);
         self.kept = self.editing.state();
         self.drawn_state = u64::MAX;
         self.canvas = Canvas::default();

@@ -7,6 +7,7 @@ mod build_out;
 mod command;
 mod dialogs;
 mod files;
+mod fold;
 mod follow;
 mod gestures;
 mod hear;
@@ -141,6 +142,8 @@ pub struct App {
     left: Vec<orograph_edit::Left>,
     watch: recovery::Watch,
     writing: Option<save::Writing>,
+    /// A subgraph that is being written.
+    folding: Option<fold::Folding>,
     opening: Option<open::Opening>,
     wake: Arc<dyn Fn() + Send + Sync>,
     words: Option<words::Words>,
@@ -208,6 +211,7 @@ impl App {
             left: Vec::new(),
             watch: recovery::Watch::default(),
             writing: None,
+            folding: None,
             opening: None,
             wake,
             words: None,
@@ -257,7 +261,7 @@ impl App {
     #[must_use]
     pub fn is_idle(&self) -> bool {
         let computes = self.progress.is_under_way() || self.building.is_under_way();
-        let waits = self.writing.is_some() || self.opening.is_some();
+        let waits = self.writing.is_some() || self.folding.is_some() || self.opening.is_some();
         !computes && !waits && !self.preferences.is_busy()
     }
 
@@ -278,6 +282,7 @@ impl App {
         let ctx = ui.ctx().clone();
         self.hear(&ctx);
         self.saving_answers();
+        self.folding_answers();
         self.keys(&ctx);
         egui::Panel::top("menu").show(ui, |ui| self.menu(ui));
         egui::Panel::bottom("status").show(ui, |ui| self.status(ui));

@@ -240,6 +240,24 @@ fn a_wire_is_clicked_and_deleted_and_shift_boxes_select_wires() {
 }
 
 #[test]
+fn nodes_whose_graph_file_cannot_be_written_stay_as_they_are() {
+    let place = Place::new();
+    let inner = place.folder.path().join("relief.ron");
+    fs::create_dir(&inner).unwrap();
+    let mut start = place.start();
+    start.dialogs = choosing(&inner).0;
+    let mut editor = open(start);
+    let before = editor.state().app().document().clone();
+    select(&mut editor, "soft");
+    menu(&mut editor, "Node", "Collapse into subgraph…");
+    until(&mut editor, "the error", |editor| {
+        editor.state().app().told().iter().any(|told| told.contains("relief.ron"))
+    });
+    assert_eq!(*editor.state().app().document(), before);
+    assert!(!editor.state().app().is_dirty());
+}
+
+#[test]
 fn nodes_are_collapsed_into_a_graph_file_and_expanded_again() {
     let place = Place::new();
     let inner = place.folder.path().join("relief.ron");
