@@ -1,5 +1,6 @@
 //! The inspector: a node's settings, drawn from its spec alone.
 
+mod colour;
 mod curve;
 mod param;
 mod slide;

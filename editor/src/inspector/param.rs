@@ -4,7 +4,7 @@ use eframe::egui;
 use orograph_core::{ParamKind, ParamSpec, ParamValue, Unit};
 
 use super::{
-    curve, named,
+    colour, curve, named,
     slide::{Slid, slide},
 };
 
@@ -58,6 +58,8 @@ pub(super) fn edit(ui: &mut egui::Ui, label: &str, spec: &ParamSpec, value: &Par
             });
             result
         }
+        (ParamKind::Colour, ParamValue::Text(text)) => colour::edit(ui, label, text),
+        (ParamKind::Gradient, ParamValue::Text(text)) => colour::gradient(ui, label, text),
         (ParamKind::Curve { x, y }, ParamValue::Curve(points)) => curve::edit(ui, label, *x, *y, points),
         (ParamKind::Lines { .. }, ParamValue::Lines(lines)) => {
             let mut result = Answer::default();

@@ -32,7 +32,7 @@ impl Legend {
             }
             Colours::Diverging => Box::new(|share| Palette::Diverging.at(share)),
             Colours::Tint { colour, opacity } => {
-                let (tint, opacity) = (colour::parse("colour", colour).ok()?, *opacity);
+                let (tint, opacity) = (colour.parse::<orograph_core::Colour>().ok()?.0, *opacity);
                 Box::new(move |share| colour::blend(PAPER, tint, share * opacity))
             }
         };

@@ -125,6 +125,73 @@ fn points_of_a_curve_are_added_dragged_and_taken_away() {
     assert_eq!(points(&editor), 0);
 }
 
+fn text(editor: &Editor, param: &str) -> Option<String> {
+    match self::param(editor, "it", param) {
+        Some(Literal::Text(text)) => Some(text),
+        None => None,
+        other => panic!("`{param}` is text, not {other:?}"),
+    }
+}
+
+#[test]
+fn a_colour_is_typed_or_chosen_and_what_is_none_is_refused_with_the_reason() {
+    let (_place, mut editor) = alone(r#"(node: "look.mask_overlay", version: 1)"#);
+    write(&mut editor, Role::TextInput, "colour", "#102030");
+    assert_eq!(text(&editor, "colour").unwrap(), "#102030");
+    let before = editor.state().app().document().clone();
+    write(&mut editor, Role::TextInput, "colour", "reddish");
+    assert_eq!(*editor.state().app().document(), before);
+    assert!(editor.query_all_by_label_contains("`reddish` is no colour").count() > 0, "the reason is told");
+    // The field opens; a press in it chooses a colour, and that is one step.
+    editor.get_by_role_and_label(Role::ColorWell, "choose colour").click();
+    settle(&mut editor);
+    let field = rect(&editor, Role::ColorWell, "choose colour");
+    let pos = field.left_bottom() + eframe::egui::vec2(60.0, 90.0);
+    drag(&mut editor, pos, pos + eframe::egui::vec2(30.0, 10.0));
+    let chosen = text(&editor, "colour").unwrap();
+    assert_ne!(chosen, "#102030");
+    press(&mut editor, NONE, Key::Escape);
+    press(&mut editor, CTRL, Key::Z);
+    assert_eq!(text(&editor, "colour").unwrap(), "#102030", "one step");
+}
+
+#[test]
+fn stops_of_a_gradient_are_made_added_dragged_coloured_and_taken_away() {
+    let (_place, mut editor) = alone(r#"(node: "look.colour_relief", version: 1)"#);
+    assert_eq!(text(&editor, "colours"), None);
+    button(&mut editor, "make colours");
+    assert_eq!(text(&editor, "colours").unwrap(), "0 #000000, 1 #ffffff");
+    let at = |editor: &Editor, share: f32| {
+        let rect = by_label(editor, "colours");
+        pos2(rect.left() + 8.0 + share * (rect.width() - 16.0), rect.center().y)
+    };
+    let pos = at(&editor, 0.5);
+    double_click(&mut editor, pos);
+    assert_eq!(text(&editor, "colours").unwrap(), "0 #000000, 0.5 #808080, 1 #ffffff");
+    let (from, to) = (at(&editor, 0.5), at(&editor, 0.25));
+    drag(&mut editor, from, to);
+    assert_eq!(text(&editor, "colours").unwrap(), "0 #000000, 0.25 #808080, 1 #ffffff");
+    write(&mut editor, Role::TextInput, "colour of the stop of colours", "#c83c28");
+    assert_eq!(text(&editor, "colours").unwrap(), "0 #000000, 0.25 #c83c28, 1 #ffffff");
+    // Dragged beside a stop, nothing moves.
+    let (from, to) = (at(&editor, 0.6), at(&editor, 0.9));
+    drag(&mut editor, from, to);
+    assert_eq!(text(&editor, "colours").unwrap(), "0 #000000, 0.25 #c83c28, 1 #ffffff");
+    press(&mut editor, CTRL, Key::Z);
+    assert_eq!(
+        text(&editor, "colours").unwrap(),
+        "0 #000000, 0.25 #808080, 1 #ffffff",
+        "a colour is one step"
+    );
+    press(&mut editor, CTRL, Key::Z);
+    assert_eq!(text(&editor, "colours").unwrap(), "0 #000000, 0.5 #808080, 1 #ffffff", "a drag is one step");
+    let pos = at(&editor, 0.0);
+    click_with(&mut editor, PointerButton::Secondary, NONE, pos);
+    assert_eq!(text(&editor, "colours").unwrap(), "0.5 #808080, 1 #ffffff");
+    button(&mut editor, "reset colours");
+    assert_eq!(text(&editor, "colours"), None);
+}
+
 /// The largest of the widgets of that name: the label before it bears it as well.
 fn by_label(editor: &Editor, label: &str) -> eframe::egui::Rect {
     let rects = editor.query_all_by_label(label).map(|node| node.rect());

@@ -131,6 +131,10 @@ pub fn limits_of_settings(node: &NodeType) -> Vec<String> {
             ParamKind::Choice { options } => {
                 options.iter().map(|option| ParamValue::Text(option.name.to_string())).collect()
             }
+            ParamKind::Colour => ["#00000000", "#ffffff"].map(|text| ParamValue::Text(text.into())).to_vec(),
+            ParamKind::Gradient => ["", "0.5 #00000000", "0 #000000, 1 #ffffff"]
+                .map(|text| ParamValue::Text(text.into()))
+                .to_vec(),
             ParamKind::Text => ["", "\u{0}", "näher"].map(|text| ParamValue::Text(text.into())).to_vec(),
             _ => continue,
         };

@@ -92,6 +92,9 @@ pub fn ranges_are_enforced(node: &NodeType) -> Vec<String> {
             ParamKind::OutputPath => ["", "../x.png", "/x.png", "C:x.png", "a/../../x"]
                 .map(|p| ParamValue::Text(p.into()))
                 .to_vec(),
+            ParamKind::Colour | ParamKind::Gradient => {
+                ["red", "#12", "0 #12"].map(|text| ParamValue::Text(text.into())).to_vec()
+            }
             _ => continue,
         };
         for bad in bad {
@@ -124,6 +127,12 @@ fn nudged(param: &ParamSpec) -> ParamValue {
             ParamValue::Text(other.map_or_else(|| "another".into(), |option| option.name.to_string()))
         }
         (_, ParamValue::Boolean(b)) => ParamValue::Boolean(!b),
+        (ParamKind::Colour, ParamValue::Text(text)) => {
+            ParamValue::Text(if text == "#123456" { "#654321" } else { "#123456" }.into())
+        }
+        (ParamKind::Gradient, ParamValue::Text(text)) => {
+            ParamValue::Text(if text == "0 #123456" { "0 #654321" } else { "0 #123456" }.into())
+        }
         (_, ParamValue::Text(text)) => ParamValue::Text(format!("{text}x")),
         (_, ParamValue::Curve(points)) => {
             let mut points = points.clone();

@@ -13,6 +13,7 @@ extern crate self as orograph_core;
 mod bands;
 mod buffer;
 mod codec;
+mod colour;
 mod digest;
 mod error;
 mod features;
@@ -36,6 +37,7 @@ mod value;
 
 pub use bands::{Band, BandSink, BandSource, Collected, rows_of};
 pub use codec::{CodecError, Encoded};
+pub use colour::{Colour, Gradient};
 pub use digest::{Digest, Hasher};
 pub use error::{Error, Result};
 pub use features::{FeatureKind, FeaturePoint, Features, PointKind, Polyline};
@@ -59,8 +61,8 @@ pub use value::{Value, ValueType};
 /// Everything that a node's file needs: `use orograph_core::prelude::*;`.
 pub mod prelude {
     pub use crate::{
-        BandSink, BandSource, CellSize, Cells, Choice, Column, ContextItem, Curve, Error, Extent,
-        FeatureKind, Features, Georef, Grid, Heightfield, InputPath, Inputs, Job, Lines, Mask, Node,
-        OutputPath, Outputs, Params, Points, Raster, RawParams, Result, Table, Texture, Value,
+        BandSink, BandSource, CellSize, Cells, Choice, Colour, Column, ContextItem, Curve, Error, Extent,
+        FeatureKind, Features, Georef, Gradient, Grid, Heightfield, InputPath, Inputs, Job, Lines, Mask,
+        Node, OutputPath, Outputs, Params, Points, Raster, RawParams, Result, Table, Texture, Value,
     };
 }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use crate::{Error, Hasher, ParamField, ParamKind, ParamSpec, Result};
+use crate::{Colour, Error, Gradient, Hasher, ParamField, ParamKind, ParamSpec, Result};
 
 /// The value of a parameter.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,7 +15,8 @@ pub enum ParamValue {
     Integer(i64),
     /// Of [`ParamKind::Boolean`].
     Boolean(bool),
-    /// Of [`ParamKind::Text`], [`ParamKind::Choice`], [`ParamKind::InputPath`] and [`ParamKind::OutputPath`].
+    /// Of [`ParamKind::Text`], [`ParamKind::Choice`], [`ParamKind::InputPath`], [`ParamKind::OutputPath`],
+    /// [`ParamKind::Colour`] and [`ParamKind::Gradient`].
     Text(String),
     /// Of [`ParamKind::Curve`].
     Curve(Vec<[f64; 2]>),
@@ -88,6 +89,8 @@ impl ParamSpec {
                 ))
             }
             (ParamKind::OutputPath, ParamValue::Text(text)) => check_output_path(name, text),
+            (ParamKind::Colour, ParamValue::Text(text)) => written(name, text.parse::<Colour>()),
+            (ParamKind::Gradient, ParamValue::Text(text)) => written(name, text.parse::<Gradient>()),
             (ParamKind::Curve { x, y }, ParamValue::Curve(points)) => {
                 for point in points {
                     inside(point[0], *x)?;
@@ -105,6 +108,17 @@ impl ParamSpec {
                 lines.iter().flatten().flatten().try_for_each(|x| inside(*x, *range))
             }
             _ => Err(Error::ParamType { name: name.to_string() }),
+        }
+    }
+}
+
+/// Whether a value could be read, told with the parameter's name.
+fn written<T>(name: &str, value: Result<T>) -> Result<()> {
+    match value {
+        Ok(_) => Ok(()),
+        Err(error) => {
+            let hint = error.hint().unwrap_or_default();
+            Err(Error::invalid(format!("`{name}`: {error}"), hint))
         }
     }
 }

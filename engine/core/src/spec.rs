@@ -154,6 +154,10 @@ pub enum ParamKind {
     InputPath,
     /// A file to write, relative to the output folder and never outside it.
     OutputPath,
+    /// A colour, as [`Colour`](crate::Colour) is written.
+    Colour,
+    /// Colours from 0 to 1, as [`Gradient`](crate::Gradient) is written.
+    Gradient,
     /// A curve through (x, y), x ascending.
     Curve {
         /// Hard limits of x.

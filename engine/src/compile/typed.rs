@@ -35,7 +35,12 @@ pub(super) fn typed(given: &Given, spec: &ParamSpec) -> Result<ParamValue, Refus
         Given::Bare(text) => {
             let is_text = matches!(
                 spec.kind,
-                ParamKind::Text | ParamKind::Choice { .. } | ParamKind::InputPath | ParamKind::OutputPath
+                ParamKind::Text
+                    | ParamKind::Choice { .. }
+                    | ParamKind::InputPath
+                    | ParamKind::OutputPath
+                    | ParamKind::Colour
+                    | ParamKind::Gradient
             );
             match Literal::parse(text) {
                 Ok(literal @ Literal::Text(_)) => literal_value(&literal, spec)?,
@@ -78,6 +83,8 @@ fn takes(spec: &ParamSpec) -> String {
             format!("one of {}", list(options.iter().map(|option| &option.name)))
         }
         ParamKind::InputPath | ParamKind::OutputPath => "a path as a string".into(),
+        ParamKind::Colour => "a colour, as in `\"#c83c28\"`".into(),
+        ParamKind::Gradient => "a gradient, as in `\"0 #203040, 1 #ffffff\"`".into(),
         ParamKind::Curve { .. } => "a curve, as in `[(0.0, 0.0), (1.0, 1.0)]`".into(),
         ParamKind::Lines { .. } => "lines, as in `[[(x, y, height), (x, y, height)]]`".into(),
         _ => "another kind of value".into(),
@@ -100,7 +107,11 @@ fn literal_value(literal: &Literal, spec: &ParamSpec) -> Result<ParamValue, Refu
             Literal::Text(text) | Literal::Word(text) => Some(ParamValue::Text(text.clone())),
             _ => None,
         },
-        ParamKind::Text | ParamKind::InputPath | ParamKind::OutputPath => match literal {
+        ParamKind::Text
+        | ParamKind::InputPath
+        | ParamKind::OutputPath
+        | ParamKind::Colour
+        | ParamKind::Gradient => match literal {
             Literal::Text(text) => Some(ParamValue::Text(text.clone())),
             _ => None,
         },

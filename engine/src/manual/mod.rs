@@ -116,6 +116,8 @@ fn kind(param: &ParamSpec) -> &'static str {
         ParamKind::Choice { .. } => "choice",
         ParamKind::InputPath => "file to read",
         ParamKind::OutputPath => "file to write",
+        ParamKind::Colour => "colour",
+        ParamKind::Gradient => "gradient",
         ParamKind::Curve { .. } => "curve of (x, y)",
         ParamKind::Lines { .. } => "lines of (x, y, height)",
         _ => "value",

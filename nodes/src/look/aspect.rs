@@ -3,12 +3,12 @@
 use glam::DVec2;
 use orograph_core::prelude::*;
 
-use super::colour::{self, Colour, blend};
+use super::colour::{Tint, blend};
 use crate::surface;
 
 /// Colours of the eight directions from north, clockwise: cold to the north, warm to the south, with
 /// opposite directions in opposite colours.
-const COMPASS: [Colour; 8] = [
+const COMPASS: [Tint; 8] = [
     [74, 98, 173, 255],
     [62, 146, 170, 255],
     [86, 173, 112, 255],
@@ -18,7 +18,7 @@ const COMPASS: [Colour; 8] = [
     [195, 77, 100, 255],
     [133, 77, 155, 255],
 ];
-const LEVEL: Colour = [226, 226, 226, 255];
+const LEVEL: Tint = [226, 226, 226, 255];
 
 /// Colours terrain by the direction that it faces.
 ///
@@ -30,8 +30,8 @@ pub struct Aspect {
     #[param(default = 10, range = 0.01..=90.0, slider = 1.0..=45.0, unit = "deg")]
     pub full: f64,
     /// Colour of voids, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#a8acb4")]
-    pub void_colour: String,
+    #[param(default = Colour::rgb(0xa8_acb4))]
+    pub void_colour: Colour,
 }
 
 /// Inputs of [`Aspect`].
@@ -55,17 +55,13 @@ impl Node for Aspect {
     type Inputs<'a> = AspectIn<'a>;
     type Outputs = AspectOut;
 
-    fn check(&self) -> Result<()> {
-        colour::parse("void_colour", &self.void_colour).map(|_| ())
-    }
-
     fn halo(&self, _cell: CellSize) -> usize {
         1
     }
 
     fn run(&self, inputs: AspectIn<'_>, job: &Job) -> Result<AspectOut> {
         let terrain = inputs.terrain;
-        let void = colour::parse("void_colour", &self.void_colour)?;
+        let void = self.void_colour.0;
         let colour = |gradient| {
             let Some(aspect) = surface::aspect_degrees(gradient) else { return LEVEL };
             blend(LEVEL, facing(aspect), surface::slope_degrees(gradient) / self.full)
@@ -83,7 +79,7 @@ impl Node for Aspect {
 }
 
 /// The colour of a direction in degrees clockwise from north.
-fn facing(degrees: f64) -> Colour {
+fn facing(degrees: f64) -> Tint {
     let place = degrees / 45.0;
     let before = place.floor();
     let at = |i: usize| COMPASS[i % COMPASS.len()];

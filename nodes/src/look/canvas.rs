@@ -15,7 +15,7 @@ use embedded_graphics::{
 use glam::DVec2;
 use orograph_core::prelude::*;
 
-use super::colour::{Colour, blend};
+use super::colour::{Tint, blend};
 
 /// Size and weight of text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,7 +87,7 @@ impl Canvas {
     ///
     /// # Errors
     /// [`Error::TooLarge`] when `job` does not admit the memory.
-    pub fn new(width: i64, height: i64, colour: Colour, job: &Job) -> Result<Self> {
+    pub fn new(width: i64, height: i64, colour: Tint, job: &Job) -> Result<Self> {
         let side = |pixels: i64| usize::try_from(pixels).unwrap_or(0);
         let grid = Grid::new(side(height), side(width), CellSize::square(1.0))?;
         Self::on(grid, colour, job)
@@ -97,7 +97,7 @@ impl Canvas {
     ///
     /// # Errors
     /// [`Error::TooLarge`] when `job` does not admit the memory.
-    pub fn on(grid: Grid, colour: Colour, job: &Job) -> Result<Self> {
+    pub fn on(grid: Grid, colour: Tint, job: &Job) -> Result<Self> {
         Ok(Self { picture: Texture::filled(grid, colour, job)? })
     }
 
@@ -108,7 +108,7 @@ impl Canvas {
     }
 
     /// Blends a colour into one pixel.
-    pub fn dot(&mut self, x: i64, y: i64, colour: Colour, share: f64) {
+    pub fn dot(&mut self, x: i64, y: i64, colour: Tint, share: f64) {
         let (rows, cols) = self.picture.grid().size();
         if let (Ok(row), Ok(col)) = (usize::try_from(y), usize::try_from(x))
             && row < rows
@@ -120,7 +120,7 @@ impl Canvas {
     }
 
     /// Fills a rectangle.
-    pub fn fill(&mut self, x: i64, y: i64, width: i64, height: i64, colour: Colour) {
+    pub fn fill(&mut self, x: i64, y: i64, width: i64, height: i64, colour: Tint) {
         let (rows, cols) = self.picture.grid().size();
         let clip = |start: i64, n: i64, all: usize| {
             let all = i64::try_from(all).unwrap_or(i64::MAX);
@@ -134,7 +134,7 @@ impl Canvas {
     }
 
     /// Outlines a rectangle with a line of one pixel inside it.
-    pub fn frame(&mut self, x: i64, y: i64, width: i64, height: i64, colour: Colour) {
+    pub fn frame(&mut self, x: i64, y: i64, width: i64, height: i64, colour: Tint) {
         self.fill(x, y, width, 1, colour);
         self.fill(x, y + height - 1, width, 1, colour);
         self.fill(x, y + 1, 1, height - 2, colour);
@@ -151,7 +151,7 @@ impl Canvas {
     }
 
     /// Draws an anti-aliased disc.
-    pub fn disc(&mut self, centre: DVec2, radius: f64, colour: Colour) {
+    pub fn disc(&mut self, centre: DVec2, radius: f64, colour: Tint) {
         let reach = radius + 1.0;
         for y in (centre.y - reach).floor() as i64..=(centre.y + reach).ceil() as i64 {
             for x in (centre.x - reach).floor() as i64..=(centre.x + reach).ceil() as i64 {
@@ -162,7 +162,7 @@ impl Canvas {
     }
 
     /// Draws an anti-aliased line with round ends.
-    pub fn line(&mut self, a: DVec2, b: DVec2, width: f64, colour: Colour) {
+    pub fn line(&mut self, a: DVec2, b: DVec2, width: f64, colour: Tint) {
         if !(a.is_finite() && b.is_finite()) {
             return;
         }
@@ -194,18 +194,18 @@ impl Canvas {
     }
 
     /// Writes a line of text whose vertical middle is at `y`.
-    pub fn text(&mut self, text: &str, x: i64, y: i64, anchor: Anchor, face: Type, colour: Colour) {
+    pub fn text(&mut self, text: &str, x: i64, y: i64, anchor: Anchor, face: Type, colour: Tint) {
         let x = x - shift(text, anchor, face);
         self.write(text, face, colour, move |dx, dy| (x + dx, y - face.height() / 2 + dy));
     }
 
     /// Writes a text that reads upwards; `x` is the middle of its line, `y` its middle.
-    pub fn text_upwards(&mut self, text: &str, x: i64, y: i64, face: Type, colour: Colour) {
+    pub fn text_upwards(&mut self, text: &str, x: i64, y: i64, face: Type, colour: Tint) {
         let start = y + shift(text, Anchor::Middle, face);
         self.write(text, face, colour, move |dx, dy| (x - face.height() / 2 + dy, start - dx));
     }
 
-    fn write(&mut self, text: &str, face: Type, colour: Colour, place: impl Fn(i64, i64) -> (i64, i64)) {
+    fn write(&mut self, text: &str, face: Type, colour: Tint, place: impl Fn(i64, i64) -> (i64, i64)) {
         let mut glyphs = Glyphs { canvas: self, colour, scale: i64::from(face.scale), place };
         let style = MonoTextStyle::new(face.font(), BinaryColor::On);
         // Drawing on a canvas never fails: its error type has no value.
@@ -233,7 +233,7 @@ pub fn distance_to_segment(at: DVec2, a: DVec2, b: DVec2) -> f64 {
 /// Takes a font's pixels, enlarges them and puts them where `place` says.
 struct Glyphs<'a, F> {
     canvas: &'a mut Canvas,
-    colour: Colour,
+    colour: Tint,
     scale: i64,
     place: F,
 }
@@ -271,8 +271,8 @@ impl<F> OriginDimensions for Glyphs<'_, F> {
 mod tests {
     use super::*;
 
-    const BLACK: Colour = [0, 0, 0, 255];
-    const WHITE: Colour = [255; 4];
+    const BLACK: Tint = [0, 0, 0, 255];
+    const WHITE: Tint = [255; 4];
 
     fn canvas() -> Canvas {
         Canvas::new(20, 10, WHITE, &Job::detached()).unwrap()

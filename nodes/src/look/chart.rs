@@ -5,12 +5,12 @@ use orograph_core::prelude::*;
 
 use super::{
     canvas::{Anchor, Canvas, Type},
-    colour::{Colour, INK, PAPER},
+    colour::{INK, PAPER, Tint},
     ticks::{self, Tick},
 };
 
 /// Colours of series: apart from each other for the colour-blind too.
-pub const SERIES: [Colour; 7] = [
+pub const SERIES: [Tint; 7] = [
     [0, 100, 170, 255],
     [205, 90, 20, 255],
     [20, 140, 100, 255],
@@ -19,8 +19,8 @@ pub const SERIES: [Colour; 7] = [
     [70, 70, 75, 255],
     [80, 170, 215, 255],
 ];
-const GRID: Colour = [228, 230, 233, 255];
-const FINE_GRID: Colour = [242, 243, 245, 255];
+const GRID: Tint = [228, 230, 233, 255];
+const FINE_GRID: Tint = [242, 243, 245, 255];
 
 /// How a series is drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -284,7 +284,7 @@ impl Frame {
 #[derive(Clone, Copy)]
 struct Pen {
     style: Style,
-    colour: Colour,
+    colour: Tint,
     scale: f64,
 }
 

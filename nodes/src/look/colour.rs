@@ -1,40 +1,18 @@
-//! Colours as graphs write them, and the colour ramps of pictures.
+//! The colours of pixels, and the colour ramps of pictures.
 
 use orograph_core::prelude::*;
 
 /// An opaque or translucent colour: red, green, blue, alpha.
-pub type Colour = [u8; 4];
+pub type Tint = [u8; 4];
 
 /// Ink for text, ticks and axes.
-pub const INK: Colour = [38, 42, 48, 255];
+pub const INK: Tint = [38, 42, 48, 255];
 /// Paper behind plots.
-pub const PAPER: Colour = [255, 255, 255, 255];
-
-/// The colour written as `#rrggbb` or `#rrggbbaa`.
-///
-/// # Errors
-/// [`Error::Invalid`] for anything else; `name` is the parameter's.
-pub fn parse(name: &str, text: &str) -> Result<Colour> {
-    let wrong = || {
-        Error::invalid(
-            format!("`{name}` is `{}`, which is no colour", text.escape_debug()),
-            "write it as `#rrggbb` or `#rrggbbaa`, for example `#c83c28`",
-        )
-    };
-    let digits = text.strip_prefix('#').ok_or_else(wrong)?;
-    if !matches!(digits.len(), 6 | 8) || !digits.bytes().all(|digit| digit.is_ascii_hexdigit()) {
-        return Err(wrong());
-    }
-    let mut colour = [255; 4];
-    for (i, part) in colour.iter_mut().enumerate().take(digits.len() / 2) {
-        *part = u8::from_str_radix(&digits[2 * i..2 * i + 2], 16).map_err(|_| wrong())?;
-    }
-    Ok(colour)
-}
+pub const PAPER: Tint = [255, 255, 255, 255];
 
 /// `over` laid on `under`, covering it by `share` (0 to 1) of its own alpha.
 #[must_use]
-pub fn blend(under: Colour, over: Colour, share: f64) -> Colour {
+pub fn blend(under: Tint, over: Tint, share: f64) -> Tint {
     let alpha = f64::from(over[3]) / 255.0 * share.clamp(0.0, 1.0);
     let below = f64::from(under[3]) / 255.0 * (1.0 - alpha);
     let total = alpha + below;
@@ -47,7 +25,7 @@ pub fn blend(under: Colour, over: Colour, share: f64) -> Colour {
 
 /// A colour darkened to `share` (0 to 1) of its brightness.
 #[must_use]
-pub fn shade(colour: Colour, share: f64) -> Colour {
+pub fn shade(colour: Tint, share: f64) -> Tint {
     let [r, g, b, a] = colour;
     let dark = |part: u8| byte(f64::from(part) * share);
     [dark(r), dark(g), dark(b), a]
@@ -132,7 +110,7 @@ impl Palette {
 
     /// The colour at `share` of the ramp; held at its ends, and at the low end for NaN.
     #[must_use]
-    pub fn at(self, share: f64) -> Colour {
+    pub fn at(self, share: f64) -> Tint {
         let stops = self.stops();
         let after = stops.partition_point(|stop| stop.0 <= share);
         let rgb = |hex: u32| [hex >> 16, hex >> 8, hex].map(|part| f64::from(part & 0xff));
@@ -147,18 +125,36 @@ impl Palette {
     }
 }
 
+/// The colours of a palette, or a user's own where there are any.
+#[derive(Clone, Copy, Debug)]
+pub struct Ramp<'a> {
+    palette: Palette,
+    own: Option<&'a Gradient>,
+}
+
+impl<'a> Ramp<'a> {
+    /// The ramp of two settings: `own` when it has a stop.
+    #[must_use]
+    pub fn new(palette: Palette, own: &'a Gradient) -> Self {
+        Self { palette, own: Some(own).filter(|own| !own.stops().is_empty()) }
+    }
+
+    /// The colour at `share`, as [`Palette::at`].
+    #[must_use]
+    pub fn at(self, share: f64) -> Tint {
+        self.own.and_then(|own| own.at(share)).map_or_else(|| self.palette.at(share), |colour| colour.0)
+    }
+}
+
+impl From<Palette> for Ramp<'_> {
+    fn from(palette: Palette) -> Self {
+        Self { palette, own: None }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn colours_are_read_as_written() {
-        assert_eq!(parse("c", "#ff8000"), Ok([255, 128, 0, 255]));
-        assert_eq!(parse("c", "#FF800040"), Ok([255, 128, 0, 64]));
-        for bad in ["", "#", "ff8000", "#ff80", "#ff80zz", "#ääää", "#+f8000"] {
-            assert!(parse("c", bad).is_err(), "{bad}");
-        }
-    }
 
     #[test]
     fn palettes_run_from_their_first_to_their_last_stop() {

@@ -3,7 +3,7 @@
 use orograph_core::prelude::*;
 
 use super::{
-    colour::{self, Palette},
+    colour::{self, Palette, Ramp},
     hillshade::{Light, Sun},
     legend::{Legend, with_legend},
 };
@@ -14,6 +14,9 @@ pub struct ColourRelief {
     /// Colours from low to high.
     #[param(default = Palette::Atlas)]
     pub palette: Palette,
+    /// Colours of your own from low to high, instead of the palette's.
+    #[param(default = Gradient::default())]
+    pub colours: Gradient,
     /// Stretches the palette from the lowest to the highest height; `lowest` and `highest` are then unused.
     #[param(default = true)]
     pub automatic: bool,
@@ -33,8 +36,8 @@ pub struct ColourRelief {
     #[param(default = Light::Multidirectional)]
     pub light: Light,
     /// Colour of voids, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#a8acb4")]
-    pub void_colour: String,
+    #[param(default = Colour::rgb(0xa8_acb4))]
+    pub void_colour: Colour,
     /// Adds a colour bar with heights on the right; the picture then has more columns than the terrain.
     #[param(default = false)]
     pub legend: bool,
@@ -62,7 +65,6 @@ impl Node for ColourRelief {
     type Outputs = ColourReliefOut;
 
     fn check(&self) -> Result<()> {
-        colour::parse("void_colour", &self.void_colour)?;
         if self.automatic || self.lowest < self.highest {
             return Ok(());
         }
@@ -74,18 +76,19 @@ impl Node for ColourRelief {
 
     fn run(&self, inputs: ColourReliefIn<'_>, job: &Job) -> Result<ColourReliefOut> {
         let terrain = inputs.terrain;
-        let void = colour::parse("void_colour", &self.void_colour)?;
+        let void = self.void_colour.0;
         let (low, high) = match terrain.range().filter(|_| self.automatic) {
             Some((low, high)) => (f64::from(low), f64::from(high)),
             None => (self.lowest, self.highest),
         };
+        let colours = Ramp::new(self.palette, &self.colours);
         // Level terrain takes the first colour.
         let per_metre = if high > low { 1.0 / (high - low) } else { 0.0 };
         let sun = Sun::new(315.0, 45.0, self.light);
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
             for (pixel, &height) in out.iter_mut().zip(terrain.row(row)) {
                 let height = f64::from(height);
-                *pixel = if height.is_nan() { void } else { self.palette.at((height - low) * per_metre) };
+                *pixel = if height.is_nan() { void } else { colours.at((height - low) * per_metre) };
             }
             if self.shading > 0.0 {
                 sun.brightnesses(terrain, row, self.exaggeration, |start, bright| {
@@ -96,7 +99,7 @@ impl Node for ColourRelief {
             }
             Ok(())
         })?;
-        let legend = Legend { palette: self.palette, low, high, unit: "m" };
+        let legend = Legend { colours, low, high, unit: "m" };
         let picture = if self.legend { with_legend(&picture, &legend, job)? } else { picture };
         Ok(ColourReliefOut { picture })
     }
@@ -117,6 +120,10 @@ mod tests {
         let void = [0xa8, 0xac, 0xb4, 255];
         let grey = |level: u8| [level, level, level, 255];
         assert_eq!(run(&flat), [grey(0), grey(64), grey(128), void, grey(255)]);
+        let own = "0 #000000, 0.5 #ff0000, 1 #0000ff80".parse().unwrap();
+        let own = ColourRelief { colours: own, ..flat.clone() };
+        let red = |level: u8| [level, 0, 0, 255];
+        assert_eq!(run(&own), [red(0), red(128), red(255), void, [0, 0, 255, 128]]);
         let fixed = ColourRelief { automatic: false, lowest: 50.0, highest: 100.0, ..flat };
         assert_eq!(run(&fixed), [grey(0), grey(0), grey(255), void, grey(255)]);
     }

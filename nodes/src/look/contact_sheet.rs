@@ -4,11 +4,11 @@ use orograph_core::prelude::*;
 
 use super::{
     canvas::{Anchor, Canvas, Type},
-    colour::{Colour, INK, PAPER, byte},
+    colour::{INK, PAPER, Tint, byte},
 };
 use crate::measure::append::split_list;
 
-const HAIRLINE: Colour = [196, 200, 206, 255];
+const HAIRLINE: Tint = [196, 200, 206, 255];
 /// Widest sheet whose labels have the font's own size. Pages show sheets 700 pixels wide or wider, and there the letters of
 /// any sheet are then at least 11 pixels high.
 const PAGE: i64 = 820;
@@ -178,7 +178,7 @@ fn spread(i: usize, new: usize, old: usize) -> Vec<(usize, f64)> {
 mod tests {
     use super::*;
 
-    fn picture(rows: usize, cols: usize, colour: Colour) -> Texture {
+    fn picture(rows: usize, cols: usize, colour: Tint) -> Texture {
         Texture::filled(Grid::new(rows, cols, CellSize::square(1.0)).unwrap(), colour, &Job::detached())
             .unwrap()
     }
@@ -187,7 +187,7 @@ mod tests {
     fn scaling_keeps_means_and_shrinks_by_whole_blocks() {
         let job = Job::detached();
         let grid = Grid::new(4, 6, CellSize::square(1.0)).unwrap();
-        let cells: Vec<Colour> = (0..24).map(|i| [i * 10, 255 - i * 10, 7, 255]).collect();
+        let cells: Vec<Tint> = (0..24).map(|i| [i * 10, 255 - i * 10, 7, 255]).collect();
         let whole = Texture::new(grid, cells).unwrap();
         let half = scaled(&whole, (3, 2), &job).unwrap();
         let block = |r: usize, c: usize| {

@@ -10,7 +10,7 @@ use orograph_core::prelude::*;
 
 use super::{
     canvas::distance_to_segment,
-    colour::{self, PAPER, blend},
+    colour::{PAPER, blend},
 };
 
 /// Beyond this many lines in one square the ground is a wall, drawn solid.
@@ -35,8 +35,8 @@ pub struct Contours {
     #[param(default = 1.6, range = 0.1..=32.0, slider = 0.5..=6.0, unit = "px")]
     pub index_width: f64,
     /// Colour of lines, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#5a3c22c8")]
-    pub colour: String,
+    #[param(default = Colour([0x5a, 0x3c, 0x22, 0xc8]))]
+    pub colour: Colour,
 }
 
 /// Inputs of [`Contours`].
@@ -62,10 +62,6 @@ impl Node for Contours {
     type Inputs<'a> = ContoursIn<'a>;
     type Outputs = ContoursOut;
 
-    fn check(&self) -> Result<()> {
-        colour::parse("colour", &self.colour).map(|_| ())
-    }
-
     fn halo(&self, _cell: CellSize) -> usize {
         self.reach()
     }
@@ -79,7 +75,7 @@ impl Node for Contours {
         if let Some(onto) = onto {
             terrain.grid().match_size("terrain", onto.grid(), "onto")?;
         }
-        let ink = colour::parse("colour", &self.colour)?;
+        let ink = self.colour.0;
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
             let covered = self.coverage(terrain, row);
             for (col, (pixel, share)) in out.iter_mut().zip(covered).enumerate() {
@@ -186,7 +182,7 @@ mod tests {
     }
 
     fn crisp() -> Contours {
-        Contours { width: 1.0, index_width: 1.0, colour: "#000000".into(), ..Contours::default() }
+        Contours { width: 1.0, index_width: 1.0, colour: Colour::rgb(0), ..Contours::default() }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 use orograph_core::prelude::*;
 
 use super::{
-    colour::{self, Palette},
+    colour::Palette,
     legend::{Legend, with_legend},
 };
 
@@ -23,8 +23,8 @@ pub struct DifferenceMap {
     #[param(default = 10, range = 1e-6..=40_000.0, slider = 0.1..=100.0, unit = "m")]
     pub largest: f64,
     /// Colour of voids, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#a8acb4")]
-    pub void_colour: String,
+    #[param(default = Colour::rgb(0xa8_acb4))]
+    pub void_colour: Colour,
     /// Adds a colour bar with differences on the right; the picture then has more columns than the terrain.
     #[param(default = true)]
     pub legend: bool,
@@ -53,14 +53,10 @@ impl Node for DifferenceMap {
     type Inputs<'a> = DifferenceMapIn<'a>;
     type Outputs = DifferenceMapOut;
 
-    fn check(&self) -> Result<()> {
-        colour::parse("void_colour", &self.void_colour).map(|_| ())
-    }
-
     fn run(&self, inputs: DifferenceMapIn<'_>, job: &Job) -> Result<DifferenceMapOut> {
         let DifferenceMapIn { terrain, reference } = inputs;
         terrain.grid().match_size("terrain", reference.grid(), "reference")?;
-        let void = colour::parse("void_colour", &self.void_colour)?;
+        let void = self.void_colour.0;
         let difference = Heightfield::build(terrain.grid().clone(), job, |row, out| {
             for ((out, a), b) in out.iter_mut().zip(terrain.row(row)).zip(reference.row(row)) {
                 *out = (f64::from(*a) - f64::from(*b)) as f32;
@@ -73,7 +69,7 @@ impl Node for DifferenceMap {
         let picture = difference.map(job, |metres| {
             if metres.is_nan() { void } else { palette.at((f64::from(metres) / largest + 1.0) / 2.0) }
         })?;
-        let legend = Legend { palette, low: -largest, high: largest, unit: "m" };
+        let legend = Legend { colours: palette.into(), low: -largest, high: largest, unit: "m" };
         let picture = if self.legend { with_legend(&picture, &legend, job)? } else { picture };
         Ok(DifferenceMapOut { picture })
     }

@@ -5,7 +5,7 @@ use orograph_core::{FeatureKind, PointKind, prelude::*};
 
 use super::{
     canvas::{Anchor, Canvas, Type},
-    colour::{self, Colour, INK, PAPER, Palette},
+    colour::{INK, PAPER, Palette, Tint},
 };
 use crate::{
     PatchSize,
@@ -29,17 +29,17 @@ pub enum Show {
 #[derive(Params, Clone, Debug)]
 pub struct Features {
     /// Colour of ridges, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#c8321e")]
-    pub ridge_colour: String,
+    #[param(default = Colour::rgb(0xc8_321e))]
+    pub ridge_colour: Colour,
     /// Colour of valleys.
-    #[param(default = "#1e5ac8")]
-    pub valley_colour: String,
+    #[param(default = Colour::rgb(0x1e_5ac8))]
+    pub valley_colour: Colour,
     /// Colour of branch points.
-    #[param(default = "#ffb400")]
-    pub branch_colour: String,
+    #[param(default = Colour::rgb(0xff_b400))]
+    pub branch_colour: Colour,
     /// Colour of ends.
-    #[param(default = "#ffffff")]
-    pub end_colour: String,
+    #[param(default = Colour::rgb(0xff_ffff))]
+    pub end_colour: Colour,
     /// Thickness of lines; 0 draws none.
     #[param(default = 2, range = 0.0..=32.0, slider = 0.0..=8.0, unit = "px")]
     pub width: f64,
@@ -114,10 +114,10 @@ impl Node for Features {
 
 /// Colours of the lines of each kind and of the points.
 struct Inks {
-    ridge: Colour,
-    valley: Colour,
-    branch: Colour,
-    end: Colour,
+    ridge: Tint,
+    valley: Tint,
+    branch: Tint,
+    end: Tint,
 }
 
 /// A place (row, column) on the canvas.
@@ -128,10 +128,10 @@ fn spot(place: [f64; 2]) -> DVec2 {
 impl Features {
     fn inks(&self) -> Result<Inks> {
         Ok(Inks {
-            ridge: colour::parse("ridge_colour", &self.ridge_colour)?,
-            valley: colour::parse("valley_colour", &self.valley_colour)?,
-            branch: colour::parse("branch_colour", &self.branch_colour)?,
-            end: colour::parse("end_colour", &self.end_colour)?,
+            ridge: self.ridge_colour.0,
+            valley: self.valley_colour.0,
+            branch: self.branch_colour.0,
+            end: self.end_colour.0,
         })
     }
 
@@ -171,7 +171,7 @@ impl Features {
     }
 
     /// How far along the plan an item comes, as a colour.
-    fn tint(&self, i: usize, n: usize) -> Colour {
+    fn tint(&self, i: usize, n: usize) -> Tint {
         self.palette.at(i as f64 / (n.max(2) - 1) as f64)
     }
 
@@ -209,7 +209,7 @@ fn on_picture(at: DVec2) -> bool {
     at.is_finite() && at.abs().max_element() < 1e9
 }
 
-fn disc(canvas: &mut Canvas, at: DVec2, radius: f64, colour: Colour) {
+fn disc(canvas: &mut Canvas, at: DVec2, radius: f64, colour: Tint) {
     if on_picture(at) {
         canvas.disc(at, radius, colour);
     }

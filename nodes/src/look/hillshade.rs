@@ -9,7 +9,7 @@ use glam::DVec2;
 use orograph_core::prelude::*;
 use pulp::{Arch, NullaryFnOnce};
 
-use super::colour::{self, Colour};
+use super::colour::{self, Tint};
 use crate::surface;
 
 /// From how many directions the ground is lit.
@@ -45,8 +45,8 @@ pub struct Hillshade {
     #[param(default = 1, range = 0.0..=1.0, unit = "1")]
     pub strength: f64,
     /// Colour of voids without a picture beneath, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#e6c8dc")]
-    pub void_colour: String,
+    #[param(default = Colour::rgb(0xe6_c8dc))]
+    pub void_colour: Colour,
 }
 
 /// Inputs of [`Hillshade`].
@@ -72,10 +72,6 @@ impl Node for Hillshade {
     type Inputs<'a> = HillshadeIn<'a>;
     type Outputs = HillshadeOut;
 
-    fn check(&self) -> Result<()> {
-        colour::parse("void_colour", &self.void_colour).map(|_| ())
-    }
-
     fn halo(&self, _cell: CellSize) -> usize {
         1
     }
@@ -85,7 +81,7 @@ impl Node for Hillshade {
         if let Some(onto) = onto {
             terrain.grid().match_size("terrain", onto.grid(), "onto")?;
         }
-        let void = colour::parse("void_colour", &self.void_colour)?;
+        let void = self.void_colour.0;
         let sun = Sun::new(self.azimuth, self.altitude, self.light);
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
             if let Some(onto) = onto {
@@ -110,7 +106,7 @@ impl Node for Hillshade {
     }
 }
 
-fn grey(share: f64) -> Colour {
+fn grey(share: f64) -> Tint {
     let level = colour::byte(share * 255.0);
     [level, level, level, 255]
 }
@@ -262,7 +258,7 @@ mod tests {
     fn voids_take_their_colour_or_keep_the_picture() {
         let mut plane = terrain(DVec2::ZERO);
         plane.cells_mut()[7] = f32::NAN;
-        let node = Hillshade { void_colour: "#01020304".into(), ..Hillshade::default() };
+        let node = Hillshade { void_colour: Colour([1, 2, 3, 4]), ..Hillshade::default() };
         assert_eq!(shade(&node, &plane, None).cells()[7], [1, 2, 3, 4]);
         let onto = Texture::filled(plane.grid().clone(), [9, 90, 200, 255], &Job::detached()).unwrap();
         // Level ground keeps the picture's own colours.

@@ -2,7 +2,7 @@
 
 use orograph_core::prelude::*;
 
-use super::colour::{self, PAPER, blend};
+use super::colour::{PAPER, blend};
 
 /// Draws a dot over each known cell, on a picture or on white paper.
 ///
@@ -13,8 +13,8 @@ pub struct MarkKnown {
     #[param(default = 1, range = 0.0..=32.0, slider = 0.0..=6.0, unit = "px")]
     pub radius: f64,
     /// Colour of the dots, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#c8281e")]
-    pub colour: String,
+    #[param(default = Colour::rgb(0xc8_281e))]
+    pub colour: Colour,
 }
 
 /// Inputs of [`MarkKnown`].
@@ -40,10 +40,6 @@ impl Node for MarkKnown {
     type Inputs<'a> = MarkKnownIn<'a>;
     type Outputs = MarkKnownOut;
 
-    fn check(&self) -> Result<()> {
-        colour::parse("colour", &self.colour).map(|_| ())
-    }
-
     fn halo(&self, _cell: CellSize) -> usize {
         self.reach()
     }
@@ -53,7 +49,7 @@ impl Node for MarkKnown {
         if let Some(onto) = onto {
             known.grid().match_size("known", onto.grid(), "onto")?;
         }
-        let ink = colour::parse("colour", &self.colour)?;
+        let ink = self.colour.0;
         let picture = Texture::build(known.grid().clone(), job, |row, out| {
             for (col, pixel) in out.iter_mut().enumerate() {
                 let under = onto.map_or(PAPER, |onto| onto.at(row, col));
@@ -102,7 +98,7 @@ mod tests {
     fn dots_are_discs_about_known_cells() {
         let known = field(9, 9, |row, col| if (row, col) == (4, 4) { 7.0 } else { f64::NAN });
         for radius in [0.0, 1.0, 2.5] {
-            let node = MarkKnown { radius, colour: "#000000".into() };
+            let node = MarkKnown { radius, colour: Colour::rgb(0) };
             let out = node.run(MarkKnownIn { known: &known, onto: None }, &Job::detached()).unwrap().picture;
             for i in 0..81 {
                 let far = libm::hypot((i / 9) as f64 - 4.0, (i % 9) as f64 - 4.0);

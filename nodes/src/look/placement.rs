@@ -3,7 +3,7 @@
 use orograph_core::key;
 use orograph_core::prelude::*;
 
-use super::colour::{self, PAPER, blend};
+use super::colour::{PAPER, blend};
 
 /// Stream of the colours.
 const STREAM: u64 = 0x636f_6c6f;
@@ -15,8 +15,8 @@ pub struct Placement {
     #[param(default = 0.35, range = 0.0..=1.0, unit = "1")]
     pub opacity: f64,
     /// Colour of the seams, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#d2281e")]
-    pub seam: String,
+    #[param(default = Colour::rgb(0xd2_281e))]
+    pub seam: Colour,
     /// Draws the seams.
     #[param(default = true)]
     pub seams: bool,
@@ -45,10 +45,6 @@ impl Node for Placement {
     type Inputs<'a> = PlacementIn<'a>;
     type Outputs = PlacementOut;
 
-    fn check(&self) -> Result<()> {
-        colour::parse("seam", &self.seam).map(|_| ())
-    }
-
     fn run(&self, inputs: PlacementIn<'_>, job: &Job) -> Result<PlacementOut> {
         let PlacementIn { placement, onto } = inputs;
         let grid = &placement.grid;
@@ -67,7 +63,7 @@ impl Node for Placement {
             Ok(())
         })?;
         if self.seams {
-            let ink = colour::parse("seam", &self.seam)?;
+            let ink = self.seam.0;
             for &cell in placement.seams.iter().flatten() {
                 if let Some(pixel) = picture.cells_mut().get_mut(cell as usize) {
                     *pixel = blend(*pixel, ink, 1.0);
@@ -101,7 +97,7 @@ mod tests {
             seams: vec![[2, 3]],
         };
         let run = |seams: bool| {
-            let node = Placement { opacity: 1.0, seam: "#000000".into(), seams };
+            let node = Placement { opacity: 1.0, seam: Colour::rgb(0), seams };
             node.run(PlacementIn { placement: &placement, onto: None }, &Job::detached()).unwrap().picture
         };
         let (plain, drawn) = (run(false), run(true));

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use orograph_core::prelude::*;
 
-use super::colour::{self, Palette};
+use super::colour::{Palette, Ramp};
 use crate::surface;
 
 /// Colours terrain by its steepness in degrees.
@@ -14,12 +14,15 @@ pub struct Slope {
     /// Colours from level to steepest.
     #[param(default = Palette::Heat)]
     pub palette: Palette,
+    /// Colours of your own from level to steep, instead of the palette's.
+    #[param(default = Gradient::default())]
+    pub colours: Gradient,
     /// Steepness that takes the palette's last colour.
     #[param(default = 60, range = 0.01..=90.0, slider = 10.0..=90.0, unit = "deg")]
     pub steepest: f64,
     /// Colour of voids, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#a8acb4")]
-    pub void_colour: String,
+    #[param(default = Colour::rgb(0xa8_acb4))]
+    pub void_colour: Colour,
 }
 
 /// Inputs of [`Slope`].
@@ -43,22 +46,18 @@ impl Node for Slope {
     type Inputs<'a> = SlopeIn<'a>;
     type Outputs = SlopeOut;
 
-    fn check(&self) -> Result<()> {
-        colour::parse("void_colour", &self.void_colour).map(|_| ())
-    }
-
     fn halo(&self, _cell: CellSize) -> usize {
         1
     }
 
     fn run(&self, inputs: SlopeIn<'_>, job: &Job) -> Result<SlopeOut> {
         let terrain = inputs.terrain;
-        let void = colour::parse("void_colour", &self.void_colour)?;
+        let (void, colours) = (self.void_colour.0, Ramp::new(self.palette, &self.colours));
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
             surface::gradients(terrain, row, |start, east, north| {
                 for ((pixel, &east), &north) in out[start..].iter_mut().zip(east).zip(north) {
                     let steep = surface::slope_degrees(DVec2::new(east, north));
-                    *pixel = if steep.is_nan() { void } else { self.palette.at(steep / self.steepest) };
+                    *pixel = if steep.is_nan() { void } else { colours.at(steep / self.steepest) };
                 }
             });
             Ok(())

@@ -13,7 +13,7 @@ use crate::{
     Ground,
     look::{
         canvas::Canvas,
-        colour::{Colour, PAPER, blend},
+        colour::{PAPER, Tint, blend},
         placement::tint,
     },
     mcmd::{
@@ -23,10 +23,10 @@ use crate::{
     synthesis::stamp::{Laid, Stamp},
 };
 
-const RIDGE: Colour = [0xc8, 0x32, 0x1e, 0xff];
-const VALLEY: Colour = [0x1e, 0x5a, 0xc8, 0xff];
-const HEIGHT: Colour = [0x1e, 0x1e, 0x1e, 0xff];
-const STAMP: Colour = [0x8c, 0x3c, 0xb4, 0xff];
+const RIDGE: Tint = [0xc8, 0x32, 0x1e, 0xff];
+const VALLEY: Tint = [0x1e, 0x5a, 0xc8, 0xff];
+const HEIGHT: Tint = [0x1e, 0x1e, 0x1e, 0xff];
+const STAMP: Tint = [0x8c, 0x3c, 0xb4, 0xff];
 
 /// Turns what is painted over a map into ridges, valleys, wanted heights, styles and stamps for
 /// `synthesis.synthesise`.

@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 
-use super::{super::colour::Colour, paint::Corner};
+use super::{super::colour::Tint, paint::Corner};
 
 /// Share of the picture that the block may fill.
 const FILL: f64 = 0.94;
@@ -63,7 +63,7 @@ impl Camera {
     }
 
     /// The place of a point in the picture; `None` behind the eye.
-    pub(super) fn see(&self, at: DVec3, colour: Colour) -> Option<Corner> {
+    pub(super) fn see(&self, at: DVec3, colour: Tint) -> Option<Corner> {
         let from = at - self.eye;
         let depth = from.dot(self.forward);
         (depth > 0.0).then(|| Corner {

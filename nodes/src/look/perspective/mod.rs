@@ -16,15 +16,15 @@ use self::{
     paint::{Corner, Painter, Scene},
 };
 use super::{
-    colour::{self, Colour},
+    colour::{self, Tint},
     hillshade::{Light, Sun},
 };
 
 /// How many pixels each pixel of the picture is drawn as, along either side.
 const SAMPLES: usize = 2;
 /// The cut sides of the block, and bare ground without a picture on it.
-const EARTH: Colour = [112, 98, 86, 255];
-const STONE: Colour = [216, 208, 194, 255];
+const EARTH: Tint = [112, 98, 86, 255];
+const STONE: Tint = [216, 208, 194, 255];
 
 /// Shows terrain in three dimensions, as a block seen from beside and above.
 ///
@@ -51,8 +51,8 @@ pub struct Perspective {
     #[param(default = 800u32, range = 16..=8192, slider = 300..=1600, unit = "px")]
     pub height: u32,
     /// Colour behind the block, `#rrggbb` or `#rrggbbaa`.
-    #[param(default = "#dfe6ee")]
-    pub background: String,
+    #[param(default = Colour::rgb(0xdf_e6ee))]
+    pub background: Colour,
 }
 
 /// Inputs of [`Perspective`].
@@ -78,10 +78,6 @@ impl Node for Perspective {
     type Inputs<'a> = PerspectiveIn<'a>;
     type Outputs = PerspectiveOut;
 
-    fn check(&self) -> Result<()> {
-        colour::parse("background", &self.background).map(|_| ())
-    }
-
     fn cost(&self) -> f64 {
         20.0
     }
@@ -91,7 +87,7 @@ impl Node for Perspective {
         if let Some(onto) = onto {
             terrain.grid().match_size("terrain", onto.grid(), "onto")?;
         }
-        let background = colour::parse("background", &self.background)?;
+        let background = self.background.0;
         let (width, height) = (self.width as usize, self.height as usize);
         let block = Block::new(terrain, onto, self.exaggeration, width.max(height), job)?;
         let large = (width * SAMPLES, height * SAMPLES);
@@ -113,7 +109,7 @@ struct Block {
     rows: usize,
     cols: usize,
     /// Row by row; `None` at voids.
-    points: Vec<Option<(DVec3, Colour)>>,
+    points: Vec<Option<(DVec3, Tint)>>,
 }
 
 impl Block {
@@ -134,7 +130,7 @@ impl Block {
             (0..n).step_by(step).chain((n > 1 && !(n - 1).is_multiple_of(step)).then_some(n - 1)).collect()
         };
         let (rows, cols) = (picked(grid.rows), picked(grid.cols));
-        job.admit((rows.len() * cols.len() * size_of::<Option<(DVec3, Colour)>>()) as u64, || {
+        job.admit((rows.len() * cols.len() * size_of::<Option<(DVec3, Tint)>>()) as u64, || {
             "the points of the view".into()
         })?;
         let sun = Sun::new(315.0, 45.0, Light::Multidirectional);
@@ -163,7 +159,7 @@ impl Block {
 
     /// Opposite corners of the box around the block and its base; `None` without a known height.
     fn bounds(&self) -> Option<[DVec3; 2]> {
-        let of_row = |row: &[Option<(DVec3, Colour)>]| {
+        let of_row = |row: &[Option<(DVec3, Tint)>]| {
             let known = row.iter().flatten().map(|point| (point.0, point.0));
             known.reduce(|(low, high), at| (low.min(at.0), high.max(at.1)))
         };
@@ -174,7 +170,7 @@ impl Block {
     }
 
     fn paint(&self, camera: &Camera, painter: &mut Painter, job: &Job) -> Result<()> {
-        let see = |point: &Option<(DVec3, Colour)>| point.and_then(|(at, colour)| camera.see(at, colour));
+        let see = |point: &Option<(DVec3, Tint)>| point.and_then(|(at, colour)| camera.see(at, colour));
         let corners = self.points.par_iter().map(see).collect();
         let scene = Scene { corners, cols: self.cols, sides: self.cut_sides(camera) };
         painter.paint(&scene, job)
@@ -211,10 +207,10 @@ mod tests {
     use super::*;
     use crate::test_fields::field;
 
-    const RED: Colour = [200, 0, 0, 255];
-    const BLUE: Colour = [0, 0, 200, 255];
+    const RED: Tint = [200, 0, 0, 255];
+    const BLUE: Tint = [0, 0, 200, 255];
 
-    fn view(node: &Perspective, terrain: &Heightfield, colour: impl Fn(usize, usize) -> Colour) -> Texture {
+    fn view(node: &Perspective, terrain: &Heightfield, colour: impl Fn(usize, usize) -> Tint) -> Texture {
         let cols = terrain.cols();
         let cells = (0..terrain.cells().len()).map(|i| colour(i / cols, i % cols)).collect();
         let onto = Texture::new(terrain.grid().clone(), cells).unwrap();
@@ -225,7 +221,7 @@ mod tests {
         Perspective { azimuth: 0.0, width: 200, height: 160, exaggeration: 1.0, ..Perspective::default() }
     }
 
-    fn count(picture: &Texture, colour: Colour) -> usize {
+    fn count(picture: &Texture, colour: Tint) -> usize {
         picture.cells().iter().filter(|&&pixel| pixel == colour).count()
     }
 
@@ -237,7 +233,7 @@ mod tests {
         // The square map stands in the middle of a wider picture.
         assert_eq!(picture.at(50, 70), RED);
         assert_eq!([picture.at(50, 130), picture.at(110, 70), picture.at(110, 130)], [BLUE; 3]);
-        assert_eq!(picture.at(80, 3), colour::parse("", &map.background).unwrap());
+        assert_eq!(picture.at(80, 3), map.background.0);
         let turned = Perspective { azimuth: 90.0, ..map };
         // Looking east, what lies in the north-west is down on the left.
         let picture = view(&turned, &flat, |row, col| if row < 20 && col < 20 { RED } else { BLUE });
@@ -264,7 +260,7 @@ mod tests {
     #[test]
     fn the_whole_block_is_in_view_from_everywhere() {
         let hill = field(60, 30, |row, col| 3.0 * ((row * 7 + col * 3) % 40) as f64);
-        let background = colour::parse("", &node().background).unwrap();
+        let background = node().background.0;
         for azimuth in [0.0, 40.0, 133.0, 290.0] {
             for tilt in [1.0, 30.0, 75.0, 90.0] {
                 for field_of_view in [1.0, 35.0, 120.0] {
@@ -282,7 +278,7 @@ mod tests {
 
     #[test]
     fn voids_are_holes_and_odd_terrain_is_met() {
-        let background = colour::parse("", &node().background).unwrap();
+        let background = node().background.0;
         let nothing = view(&node(), &field(10, 10, |_, _| f64::NAN), |_, _| RED);
         assert_eq!(count(&nothing, background), 200 * 160);
         let map = Perspective { tilt: 90.0, ..node() };

@@ -3,7 +3,7 @@
 use orograph_core::{CellSize, Grid, Job, Result, Texture};
 use rayon::prelude::*;
 
-use super::super::colour::{Colour, byte};
+use super::super::colour::{Tint, byte};
 
 /// A corner of a triangle in the picture.
 #[derive(Clone, Copy, Debug)]
@@ -14,7 +14,7 @@ pub(super) struct Corner {
     pub(super) y: f64,
     /// One over the distance along the view, which is linear in the picture.
     pub(super) near: f64,
-    pub(super) colour: Colour,
+    pub(super) colour: Tint,
 }
 
 /// What is to be drawn.
@@ -54,15 +54,15 @@ fn span<'a>(corners: impl IntoIterator<Item = &'a Corner>) -> (f64, f64) {
 /// Pixels under work.
 pub(super) struct Painter {
     width: usize,
-    pixels: Vec<(f64, Colour)>,
+    pixels: Vec<(f64, Tint)>,
 }
 
 /// Rows that one task paints.
 const BAND: usize = 32;
 
 impl Painter {
-    pub(super) fn new((width, height): (usize, usize), background: Colour, job: &Job) -> Result<Self> {
-        job.admit((width * height * size_of::<(f64, Colour)>()) as u64, || {
+    pub(super) fn new((width, height): (usize, usize), background: Tint, job: &Job) -> Result<Self> {
+        job.admit((width * height * size_of::<(f64, Tint)>()) as u64, || {
             format!("a view of {width} × {height} pixels")
         })?;
         Ok(Self { width, pixels: vec![(0.0, background); width * height] })
@@ -121,7 +121,7 @@ impl Painter {
 }
 
 /// Draws the part of a triangle that lies in the rows from `top` on that `pixels` hold.
-fn fill([a, b, c]: &[Corner; 3], pixels: &mut [(f64, Colour)], width: usize, top: usize) {
+fn fill([a, b, c]: &[Corner; 3], pixels: &mut [(f64, Tint)], width: usize, top: usize) {
     let area = (b.x - a.x) * (c.y - a.y) - (c.x - a.x) * (b.y - a.y);
     if area == 0.0 || !area.is_finite() {
         return;

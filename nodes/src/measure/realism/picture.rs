@@ -10,16 +10,16 @@ use super::{
 use crate::look::{
     canvas::{Anchor, Canvas, Type},
     chart::{Axis, Chart, SERIES, Series, Style},
-    colour::{Colour, INK, PAPER},
+    colour::{INK, PAPER, Tint},
     contact_sheet::scaled,
     hillshade::{Hillshade, HillshadeIn},
     ticks,
 };
 use crate::measure::geomorphons::Form;
 
-const GOOD: Colour = [20, 130, 80, 255];
-const BAD: Colour = [200, 45, 30, 255];
-const RULE: Colour = [228, 230, 233, 255];
+const GOOD: Tint = [20, 130, 80, 255];
+const BAD: Tint = [200, 45, 30, 255];
+const RULE: Tint = [228, 230, 233, 255];
 
 /// One side of the report.
 #[derive(Clone, Copy, Debug)]
@@ -177,7 +177,7 @@ fn figures(canvas: &mut Canvas, lines: &[Verdict], [left, top, width, line]: [i6
     let heads = ["metric", "unit", "terrain", "exemplar", "distance", "halves", "ratio", "bar", "met"];
     // Right ends of the columns as shares of the width; the first begins at the left.
     let ends = [0.0, 0.33, 0.44, 0.55, 0.66, 0.75, 0.84, 0.92, 1.0];
-    let mut write = |row: i64, column: usize, text: &str, face: Type, colour: Colour| {
+    let mut write = |row: i64, column: usize, text: &str, face: Type, colour: Tint| {
         let (x, anchor) = match column {
             0 => (left, Anchor::Left),
             _ => (left + (ends[column] * width as f64) as i64, Anchor::Right),
