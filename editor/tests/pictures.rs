@@ -34,7 +34,7 @@ const SIZE: eframe::egui::Vec2 = vec2(1000.0, 650.0);
 
 type Scene = fn() -> (Place, Editor);
 
-const SCENES: [(&str, Scene); 7] = [
+const SCENES: [(&str, Scene); 8] = [
     ("graph", graph),
     ("ground", ground),
     ("search", search),
@@ -42,6 +42,7 @@ const SCENES: [(&str, Scene); 7] = [
     ("sketch", sketch),
     ("keys", keys),
     ("afar", afar),
+    ("colours", colours),
 ];
 
 fn main() -> ExitCode {
@@ -219,5 +220,19 @@ fn afar() -> (Place, Editor) {
     show_all(&mut editor);
     assert!(editor.state().app().to_window().scaling < 0.35, "nobody could read it");
     select(&mut editor, "soft");
+    (place, editor)
+}
+
+/// Colours and a gradient in the inspector, and the picture that they make.
+fn colours() -> (Place, Editor) {
+    let place = Place::new();
+    let text = r##"(format: 1, nodes: {
+        "hills": (node: "generate.fbm", version: 1, params: (cells: 48, octaves: 2)),
+        "relief": (node: "look.colour_relief", version: 1, params: (colours: "0 #12324a, 0.3 #3c7a6e, 0.55 #d9c89a, 1 #fff6e8"), inputs: {"terrain": "hills.terrain"}),
+    }, layout: (nodes: {"hills": (0, 0), "relief": (280, 0)}))"##;
+    fs::write(&place.graph, text).unwrap();
+    let mut editor = open_sized(place.start(), SIZE);
+    show_all(&mut editor);
+    select(&mut editor, "relief");
     (place, editor)
 }

@@ -77,7 +77,8 @@ pub(super) fn gradient(ui: &mut egui::Ui, label: &str, text: &str) -> Answer {
     }
     let mut stops = gradient.stops().to_vec();
     let (rect, response) = ui.allocate_exact_size(BAR, egui::Sense::click_and_drag());
-    let response = named(response, label);
+    let response = named(response, label)
+        .on_hover_text("Drag a stop; a double click adds one, a right click takes one away");
     let chosen_id = response.id.with("chosen");
     let mut chosen = ui.data(|data| data.get_temp::<usize>(chosen_id)).unwrap_or(0).min(stops.len() - 1);
     let bar = Rect::from_min_size(rect.min, vec2(rect.width(), COLOURS)).shrink2(vec2(REACH, 0.0));

@@ -16,7 +16,8 @@ pub(super) fn edit(
     points: &[[f64; 2]],
 ) -> Answer {
     let (rect, response) = ui.allocate_exact_size(SIZE, egui::Sense::click_and_drag());
-    let response = named(response, label);
+    let response = named(response, label)
+        .on_hover_text("Drag a point; a double click adds one, a right click takes one away");
     let view = View { rect: rect.shrink(RADIUS), x: seen(x, points, 0), y: seen(y, points, 1) };
     let painter = ui.painter_at(rect);
     painter.rect_filled(rect, 3.0, ui.visuals().extreme_bg_color);
