@@ -1,7 +1,7 @@
 //! Painting: strokes in a picture become lines of a parameter, as vectors in the document.
 
 use eframe::egui;
-use orograph_core::{ParamKind, ParamValue, ValueType};
+use orograph_core::{ParamKind, ParamValue, Unit, ValueType};
 use orograph_edit::{Interface, Port, beside::grid_of, operations, operations::Refused};
 use orograph_engine::{
     compile::param_value,
@@ -30,6 +30,8 @@ pub(super) struct Drawable {
 struct Layer {
     param: String,
     doc: String,
+    /// Of the third number of a point.
+    unit: Unit,
     lines: Vec<Vec<[f64; 3]>>,
 }
 
@@ -59,6 +61,7 @@ impl App {
             .map(|param| Layer {
                 param: param.name.clone(),
                 doc: param.spec.doc.to_string(),
+                unit: param.spec.unit,
                 lines: match value_of(node, &interface, &param.name) {
                     Some(ParamValue::Lines(lines)) => lines,
                     _ => Vec::new(),
@@ -94,9 +97,14 @@ impl App {
             }
             ui.separator();
         }
-        let height = named(ui.add(egui::DragValue::new(&mut self.height)), "height of what is drawn");
+        let (label, suffix) = match drawable.layer().unit {
+            Unit::Metre => ("height of what is drawn", " m"),
+            Unit::Degree => ("angle of what is drawn", "°"),
+            _ => ("number of what is drawn", ""),
+        };
+        let height = named(ui.add(egui::DragValue::new(&mut self.height).suffix(suffix)), label);
         height.on_hover_text(&drawable.layer().doc);
-        ui.label("height of what is drawn").on_hover_text(&drawable.layer().doc);
+        ui.label(label).on_hover_text(&drawable.layer().doc);
         if let Some(input) = self.free_picture(&drawable.node) {
             let button = ui.button("picture under it…").on_hover_text("Paint over a picture from a file");
             if button.clicked() {

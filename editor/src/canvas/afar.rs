@@ -115,13 +115,13 @@ pub(super) fn frame(style: &egui::Style, interaction: NodeInteraction) -> egui::
 /// What stands in a node: its colour, its picture, whether something is wrong, and its name in large letters.
 pub(super) fn inner(ui: &egui::Ui, node: &NodeView, rect: Rect, selected: bool) {
     let painter = ui.painter();
-    if selected {
-        // The edge of a node is thinner than a pixel by now.
-        let scale =
-            ui.ctx().layer_transform_to_global(ui.layer_id()).map_or(1.0, |to_window| to_window.scaling);
-        let stroke = Stroke::new(1.5 / scale, ui.visuals().selection.stroke.color);
-        painter.rect_stroke(rect, 0.0, stroke, StrokeKind::Outside);
-    }
+    // The edge of a node is thinner than a pixel by now.
+    let scale = ui.ctx().layer_transform_to_global(ui.layer_id()).map_or(1.0, |to_window| to_window.scaling);
+    let (width, colour) = match selected {
+        true => (1.5, ui.visuals().selection.stroke.color),
+        false => (1.0, ui.visuals().widgets.noninteractive.bg_stroke.color),
+    };
+    painter.rect_stroke(rect, 0.0, Stroke::new(width / scale, colour), StrokeKind::Outside);
     let title = rect.with_max_y(rect.top() + TITLE);
     painter.rect_filled(title, 3.0, body::fill(ui, node));
     let rows = node.inputs.len().max(node.outputs.len()) as f32;

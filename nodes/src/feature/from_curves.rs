@@ -26,7 +26,7 @@ use crate::{
 #[derive(Params, Clone, Debug)]
 pub struct FromCurves {
     /// Polylines of (x, y, height); heights say where a closed loop is opened.
-    #[param(default = Vec::new(), range = -1e9..=1e9)]
+    #[param(default = Vec::new(), range = -1e9..=1e9, unit = "m")]
     pub lines: Lines,
     /// What x and y mean.
     #[param(default = Coordinates::Extent)]

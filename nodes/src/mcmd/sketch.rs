@@ -80,7 +80,7 @@ pub enum Base {
 pub struct Sketch {
     /// Polylines of (x, y, height in metres); heights run evenly between a line's points. One point alone is a summit
     /// or a pit.
-    #[param(default = Vec::new(), range = -1e9..=1e9)]
+    #[param(default = Vec::new(), range = -1e9..=1e9, unit = "m")]
     pub lines: Lines,
     /// What x and y mean.
     #[param(default = Coordinates::Extent)]

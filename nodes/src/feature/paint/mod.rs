@@ -36,19 +36,19 @@ const STAMP: Tint = [0x8c, 0x3c, 0xb4, 0xff];
 #[derive(Params, Clone, Debug)]
 pub struct Paint {
     /// Ridges, as polylines of (x, y, height); heights say where a closed loop is opened.
-    #[param(default = Vec::new(), range = -1e9..=1e9)]
+    #[param(default = Vec::new(), range = -1e9..=1e9, unit = "m")]
     pub ridges: Lines,
     /// Valleys, likewise.
-    #[param(default = Vec::new(), range = -1e9..=1e9)]
+    #[param(default = Vec::new(), range = -1e9..=1e9, unit = "m")]
     pub valleys: Lines,
     /// Wanted heights, as polylines of (x, y, height in metres); one point alone is a spot height.
-    #[param(default = Vec::new(), range = -1e9..=1e9)]
+    #[param(default = Vec::new(), range = -1e9..=1e9, unit = "m")]
     pub heights: Lines,
     /// Regions of a style, as outlines of (x, y, number of the style); later ones lie over earlier ones.
     #[param(default = Vec::new(), range = -1e9..=1e9)]
     pub regions: Lines,
     /// Where the stamp is set, as points of (x, y, degrees that it is turned clockwise); later ones lie over earlier ones.
-    #[param(default = Vec::new(), range = -1e9..=1e9)]
+    #[param(default = Vec::new(), range = -1e9..=1e9, unit = "deg")]
     pub stamps: Lines,
     /// What x and y mean.
     #[param(default = Coordinates::Extent)]
