@@ -88,7 +88,7 @@ impl Node for ChaikinCompose {
         if inputs.like.grid().is_empty() {
             return Err(Error::EmptyInput { what: "like".into() });
         }
-        let surface = self.halving.compose(&bands);
+        let surface = self.halving.compose(&bands, job)?;
         let cells = surface.cells.iter().map(|&height| height as f32).collect();
         Ok(ChaikinComposeOut { terrain: Heightfield::new(inputs.like.grid().clone(), cells)? })
     }

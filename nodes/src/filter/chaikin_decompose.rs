@@ -81,7 +81,7 @@ impl Node for ChaikinDecompose {
             ));
         }
         let surface = surface_of(inputs.terrain, "terrain", job)?;
-        let bands = self.halving.decompose(&surface);
+        let bands = self.halving.decompose(&surface, job)?;
         let raster = |surface: Surface| raster_of(surface, inputs.terrain.grid(), self.halving.axes);
         Ok(ChaikinDecomposeOut {
             coarse: raster(bands.coarse)?,
@@ -94,28 +94,30 @@ impl Node for ChaikinDecompose {
 
 impl Halving {
     /// Takes a surface apart.
-    pub(super) fn decompose(self, surface: &Surface) -> Bands {
+    pub(super) fn decompose(self, surface: &Surface, job: &Job<'_>) -> Result<Bands> {
+        let size = surface.size;
         match self.axes {
-            Axes::Both => surface.decompose(self.boundary),
+            Axes::Both => surface.decompose(self.boundary, job),
             Axes::Across => {
-                let [coarse, across] = surface.halved(self.boundary);
-                Bands { size: surface.size, coarse, across, ..Bands::default() }
+                let [coarse, across] = surface.halved(self.boundary, job)?;
+                Ok(Bands { size, coarse, across, ..Bands::default() })
             }
             Axes::Down => {
-                let [coarse, down] = surface.transposed().halved(self.boundary).map(|half| half.transposed());
-                Bands { size: surface.size, coarse, down, ..Bands::default() }
+                let [coarse, down] = surface.transposed(job)?.halved(self.boundary, job)?;
+                let (coarse, down) = (coarse.transposed(job)?, down.transposed(job)?);
+                Ok(Bands { size, coarse, down, ..Bands::default() })
             }
         }
     }
 
     /// Puts a surface together.
-    pub(super) fn compose(self, bands: &Bands) -> Surface {
+    pub(super) fn compose(self, bands: &Bands, job: &Job<'_>) -> Result<Surface> {
         match self.axes {
-            Axes::Both => bands.compose(self.boundary),
-            Axes::Across => bands.coarse.doubled(&bands.across, self.boundary, bands.size.1),
+            Axes::Both => bands.compose(self.boundary, job),
+            Axes::Across => bands.coarse.doubled(&bands.across, self.boundary, bands.size.1, job),
             Axes::Down => {
-                let (coarse, down) = (bands.coarse.transposed(), bands.down.transposed());
-                coarse.doubled(&down, self.boundary, bands.size.0).transposed()
+                let (coarse, down) = (bands.coarse.transposed(job)?, bands.down.transposed(job)?);
+                coarse.doubled(&down, self.boundary, bands.size.0, job)?.transposed(job)
             }
         }
     }

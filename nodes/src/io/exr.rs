@@ -6,12 +6,15 @@ use std::{
 };
 
 use exr::{
-    block::{lines::LineRef, reader::ChunksReader},
+    block::{UncompressedBlock, lines::LineRef, reader::ChunksReader, writer::ChunksWriter},
+    image::write::layers::{LayersWriter, WritableLayers},
     io::Data,
     meta::attribute::SampleType,
     prelude::*,
 };
 use orograph_core::prelude::{Error, Grid, Heightfield, Job};
+
+use rayon::prelude::*;
 
 use super::file::{refuse_empty, refuse_infinite};
 
@@ -116,12 +119,33 @@ pub fn write(terrain: &Heightfield, out: &mut (impl Write + Seek), name: &str, j
         line_order: LineOrder::Increasing,
     };
     let layer = Layer::new((terrain.cols(), terrain.rows()), LayerAttributes::default(), encoding, channels);
-    Image::from_layer(layer)
-        .write()
-        .non_parallel()
-        .to_buffered(out)
-        .map_err(|error| Error::writing(name, error))
+    let image = Image::from_layer(layer);
+    let headers = image.layer_data.infer_headers(&image.attributes);
+    let source = image.layer_data.create_writer(&headers);
+    // Packed in parallel, written in order.
+    let written = exr::block::write(out, headers, true, |meta, chunks| {
+        let headers = &meta.headers;
+        let blocks: Vec<_> = exr::block::enumerate_ordered_header_block_indices(headers).collect();
+        let done = job.stage(blocks.len() as u64);
+        for batch in blocks.chunks(BATCH) {
+            let packed = batch.par_iter().map(|(_, index)| {
+                job.check().map_err(|_| exr::error::Error::Aborted)?;
+                let data = source.extract_uncompressed_block(headers, *index);
+                UncompressedBlock { index: *index, data }.compress_to_chunk(headers)
+            });
+            for ((place, _), chunk) in batch.iter().zip(packed.collect::<exr::error::Result<Vec<_>>>()?) {
+                chunks.write_chunk(*place, chunk)?;
+            }
+            done.advance(batch.len() as u64);
+        }
+        Ok(())
+    });
+    job.check()?;
+    written.map_err(|error| Error::writing(name, error))
 }
+
+/// Blocks that are packed before they are written: enough for many threads, few enough for little memory.
+const BATCH: usize = 64;
 
 fn smallvec(channel: AnyChannel<FlatSamples>) -> exr::prelude::SmallVec<[AnyChannel<FlatSamples>; 4]> {
     std::iter::once(channel).collect()

@@ -94,11 +94,14 @@ impl Curvatures {
         let rows = per_row(terrain.rows(), job, |row| Ok(fit.row(terrain, row)))?;
         let count = rows.iter().map(Vec::len).sum();
         let (mut profile, mut plan) = (Vec::with_capacity(count), Vec::with_capacity(count));
-        for [along, across] in rows.into_iter().flatten() {
-            profile.push(along);
-            plan.push(across);
+        for row in rows {
+            job.check()?;
+            for [along, across] in row {
+                profile.push(along);
+                plan.push(across);
+            }
         }
-        Ok(Self { profile: Bends::of(profile), plan: Bends::of(plan) })
+        Ok(Self { profile: Bends::of(profile, job)?, plan: Bends::of(plan, job)? })
     }
 }
 
@@ -181,21 +184,23 @@ pub struct Bends {
 }
 
 impl Bends {
-    fn of(mut values: Vec<f32>) -> Self {
+    fn of(mut values: Vec<f32>, job: &Job) -> Result<Self> {
         if values.is_empty() {
-            return Self { values, low: f64::NAN, high: f64::NAN, deviation: f64::NAN };
+            return Ok(Self { values, low: f64::NAN, high: f64::NAN, deviation: f64::NAN });
         }
         let last = values.len() - 1;
         let mut quantile = |share: f64| {
+            job.check()?;
             let at = (share * last as f64).round() as usize;
-            f64::from(*values.select_nth_unstable_by(at, f32::total_cmp).1)
+            Ok(f64::from(*values.select_nth_unstable_by(at, f32::total_cmp).1))
         };
-        let (low, high) = (quantile(0.01), quantile(0.99));
+        let (low, high) = (quantile(0.01)?, quantile(0.99)?);
+        job.check()?;
         let clipped = || values.iter().map(|&value| f64::from(value).clamp(low, high));
         let n = values.len() as f64;
         let mean = clipped().sum::<f64>() / n;
         let deviation = (clipped().map(|value| (value - mean) * (value - mean)).sum::<f64>() / n).sqrt();
-        Self { values, low, high, deviation }
+        Ok(Self { values, low, high, deviation })
     }
 
     /// Wasserstein-1 distance to a reference's curvature, both clipped to the reference's quantiles, over the

@@ -80,6 +80,7 @@ impl Node for Skeleton {
             rivers::trace(&ridges, &surface, self.relief, self.rivers, seed, job)?
         };
         let ridge_mask = ridges.map(job, |height| if height.is_nan() { 0.0 } else { 1.0 })?;
+        job.check()?;
         let mut river_mask = Mask::filled(grid, 0.0, job)?;
         let mut constraints = ridges;
         for (&cell, &height) in &rivers.heights {

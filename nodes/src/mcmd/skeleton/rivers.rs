@@ -102,6 +102,7 @@ fn ways_out(ridges: &Heightfield, surface: &Heightfield, relief: f64, job: &Job<
         libm::exp(height.clamp(-DEAREST, DEAREST))
     };
     let costs: Vec<f64> = surface.cells().par_iter().with_min_len(ROUND).map(cost).collect();
+    job.check()?;
     let mut ways = vec![Way::None; n];
     let mut best = vec![f64::INFINITY; n];
     // Costs are positive, so their bits sort as they do; the cell's place settles ties.

@@ -193,7 +193,7 @@ impl Patch {
         };
         let size = (frame.size[0], frame.size[1]);
         let ground = Surface { size, cells: (0..frame.len()).map(over).collect() };
-        let mut added = ground.details(frame.levels, details.boundary);
+        let mut added = ground.details(frame.levels, details.boundary, job)?;
         added.cells.iter_mut().for_each(|detail| *detail *= details.detail_gain);
         let at = |i: usize| {
             let [row, col] = frame.cell(i);
@@ -202,7 +202,7 @@ impl Patch {
         let base = Surface { size, cells: (0..frame.len()).map(at).collect() };
         let surface: Vec<f64> = match details.strength {
             Match::Source => {
-                let own = base.details(frame.levels, details.boundary);
+                let own = base.details(frame.levels, details.boundary, job)?;
                 patch.gain = details.detail_gain;
                 (0..frame.len()).map(|i| base.cells[i] - own.cells[i] + added.cells[i]).collect()
             }

@@ -77,8 +77,8 @@ fn the_papers_box_has_the_details_of_its_source() {
     };
     let source = cut(&terrain, number("source_row", 1), number("source_col", 1));
     let base = cut(&smooth, number("row", 1), number("col", 1));
-    let wanted = source.details(3, Boundary::Clamped);
-    let own = base.details(3, Boundary::Clamped);
+    let wanted = source.details(3, Boundary::Clamped, &Job::detached()).unwrap();
+    let own = base.details(3, Boundary::Clamped, &Job::detached()).unwrap();
     for i in 0..rows * cols {
         let (row, col) = (number("row", 1) + i / cols, number("col", 1) + i % cols);
         if is_void(row, col) {

@@ -103,8 +103,10 @@ pub fn min_cut(network: &Network<'_>, job: &Job<'_>) -> Result<MinCut> {
         return Err(Error::TooLarge { what, bytes, limit: u64::from(u32::MAX) });
     }
     let mut search = Search::new(network, rows, cols);
-    potential_flow::set(&mut search.cells, cols + 2);
+    job.check()?;
+    potential_flow::set(&mut search.cells, cols + 2, job)?;
     search.run(job)?;
+    job.check()?;
     let stride = cols + 2;
     let side = |i: usize| search.cells[(i / cols + 1) * stride + i % cols + 1].tree == SOURCE;
     let source_side: Vec<bool> = (0..rows * cols).map(side).collect();

@@ -107,8 +107,11 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
             }
         }
     };
+    job.check()?;
     let right = overlap.map(|i, col| if col + 1 < cols { edge(i, i + 1) } else { f64::NAN });
+    job.check()?;
     let down = overlap.map(|i, _| if i + cols < n { edge(i, i + cols) } else { f64::NAN });
+    job.check()?;
     let largest = right.iter().chain(&down).fold(0.0_f64, |most, &w| most.max(w));
     // 1024ths of a metre, or coarser for mismatches that no terrain has; one more prefers short cuts.
     let scale = (MAX_CAPACITY / largest).min(1024.0);
@@ -119,11 +122,13 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
         if weight.is_nan() { 0 } else { whole + half_up + 1 }
     };
     let capacities = |weights: &[f64]| -> Vec<u32> { weights.iter().map(capacity).collect() };
+    job.check()?;
     let pins = overlap.map(|i, col| if both(i) { pin(overlay, i, col) } else { Pin::Free });
     let network =
         Network { cols: overlap.cols, right: &capacities(&right), down: &capacities(&down), pins: &pins };
     // Without old cells to keep the cut is nowhere and all is new; the flow's labels say just that.
     let old_side = min_cut(&network, job)?.source_side;
+    job.check()?;
     let (has_old, has_new) = (pins.contains(&Pin::Source), pins.contains(&Pin::Sink));
     let is_new = |old_side: bool| has_new && !old_side || !has_old;
     let mut sides = old_side.iter();
@@ -131,6 +136,7 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
         let old_side = sides.next().is_some_and(|&side| side);
         found.new[i] = if both(i) { is_new(old_side) } else { found.new[i] };
     });
+    job.check()?;
     for (weights, step) in [(&right, 1), (&down, overlap.cols)] {
         for (i, &weight) in weights.iter().enumerate() {
             if !weight.is_nan() && is_new(old_side[i]) != is_new(old_side[i + step]) {

@@ -85,8 +85,12 @@ pub fn correction(
     };
     let mut cells: Vec<Cell> = (0..n).map(kind).collect();
     for _ in 0..grow {
+        job.check()?;
         let before = cells.clone();
         for (row, start) in (0..n).step_by(cols.max(1)).enumerate() {
+            if row.is_multiple_of(64) {
+                job.check()?;
+            }
             for (col, i) in (start..start + cols).enumerate() {
                 if before[i] == Cell::Fixed {
                     let free = |inside: bool, j: usize| inside && before[j] == Cell::Free;
@@ -99,6 +103,7 @@ pub fn correction(
             }
         }
     }
+    job.check()?;
     let mut right = vec![0.0; n];
     let mut edge = |i: usize, j: usize| {
         let has = cells[i] != Cell::Outside && cells[j] != Cell::Outside;
@@ -109,7 +114,10 @@ pub fn correction(
             right[j] -= excess;
         }
     };
-    for start in (0..n).step_by(cols.max(1)) {
+    for (row, start) in (0..n).step_by(cols.max(1)).enumerate() {
+        if row.is_multiple_of(64) {
+            job.check()?;
+        }
         for (col, i) in (start..start + cols).enumerate() {
             if col + 1 < cols {
                 edge(i, i + 1);
@@ -119,6 +127,7 @@ pub fn correction(
             }
         }
     }
+    job.check()?;
     let driven = |i: usize| cells[i] == Cell::Free && right[i] != 0.0;
     if !(0..n).any(driven) {
         return Ok(vec![0.0; n]);

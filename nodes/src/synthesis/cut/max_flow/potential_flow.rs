@@ -8,16 +8,23 @@
 //! Cells that nothing flows through belong to the pins that they lie next to. The seam begins and ends where the land of
 //! the source meets that of the sink, on the left or on the right of those who look from one to the other.
 
+use orograph_core::{Job, Result};
+
 use super::{Cell, EAST, FREE, NORTH, SOURCE, SOUTH, WEST};
 
 /// Sets a flow in `cells`, rows of `stride` with a frame that nothing flows into, which carry none yet.
-pub(super) fn set(cells: &mut [Cell], stride: usize) {
+///
+/// # Errors
+/// Cancellation.
+pub(super) fn set(cells: &mut [Cell], stride: usize, job: &Job<'_>) -> Result<()> {
     let land = land(cells, stride);
+    job.check()?;
     let (begins, ends) = tips(&land, stride);
     if begins.is_empty() || ends.is_empty() {
-        return;
+        return Ok(());
     }
-    let potential = distances(cells, &land, stride, &begins, &ends);
+    job.check()?;
+    let potential = distances(cells, &land, stride, &begins, &ends, job)?;
     let mut flow = |from: usize, to: usize, direction: usize, most: u64, least: u64| {
         if land[from] == FREE || land[to] == FREE {
             // As large as what either can carry, and so are these sums.
@@ -30,6 +37,7 @@ pub(super) fn set(cells: &mut [Cell], stride: usize) {
         flow(i, i + 1, EAST, potential[i], potential[i + stride]);
         flow(i, i + stride, SOUTH, potential[i + stride], potential[i + stride - 1]);
     }
+    job.check()
 }
 
 /// Whose land each cell is: that of pins, and of cells that nothing flows through.
@@ -89,7 +97,17 @@ fn tips(land: &[u8], stride: usize) -> (Vec<u32>, Vec<u32>) {
 
 /// How far each corner is from where seams begin, up to the farthest of those where they end. A step along the side
 /// between two cells is as long as what can still flow from the one on its left to the one on its right.
-fn distances(cells: &[Cell], land: &[u8], stride: usize, begins: &[u32], ends: &[u32]) -> Vec<u64> {
+fn distances(
+    cells: &[Cell],
+    land: &[u8],
+    stride: usize,
+    begins: &[u32],
+    ends: &[u32],
+    job: &Job<'_>,
+) -> Result<Vec<u64>> {
+    /// Corners between two looks at whether to stop.
+    const CHECK_EVERY: u64 = 1 << 16;
+    let mut taken = 0_u64;
     let mut distance = vec![u64::MAX; land.len() + stride];
     // No step leads to corners of the outermost cells.
     distance[..stride].fill(0);
@@ -102,6 +120,10 @@ fn distances(cells: &[Cell], land: &[u8], stride: usize, begins: &[u32], ends: &
     begins.iter().for_each(|&begin| distance[begin as usize] = 0);
     while n_to_go > 0 {
         let Some((now, corner)) = queue.pop() else { break };
+        taken += 1;
+        if taken.is_multiple_of(CHECK_EVERY) {
+            job.check()?;
+        }
         let k = corner as usize;
         if distance[k] != now {
             continue;
@@ -124,7 +146,7 @@ fn distances(cells: &[Cell], land: &[u8], stride: usize, begins: &[u32], ends: &
     }
     let farthest = queue.last;
     distance.iter_mut().for_each(|distance| *distance = farthest.min(*distance));
-    distance
+    Ok(distance)
 }
 
 /// Corners by distance, none of which comes in nearer than what was last taken out (a radix heap): each lies in the
