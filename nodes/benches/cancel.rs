@@ -6,16 +6,17 @@
 
 #![expect(clippy::print_stdout, reason = "a benchmark's whole purpose")]
 
+mod host;
+
 use std::{
     env,
-    io::{self, Seek, SeekFrom, Write},
-    path::PathBuf,
-    sync::atomic::{AtomicBool, Ordering},
+    sync::atomic::Ordering,
     time::{Duration, Instant},
 };
 
+use host::Nowhere;
 use orograph_contract::inputs_of;
-use orograph_core::{Context, Error, Host, Job, NodeType, OutputStream, ParamKind, Result};
+use orograph_core::{Context, Error, Job, NodeType, ParamKind};
 
 const SHARES: [f64; 8] = [0.05, 0.15, 0.3, 0.45, 0.6, 0.75, 0.88, 0.96];
 /// Nodes that take less than this are not stopped by a hand.
@@ -54,7 +55,7 @@ fn stopped(node: &NodeType, side: usize) -> Option<(Duration, Duration)> {
     let slots = inputs_of(node.spec(), side, side);
     let context = Context { seed: 1, resolution: u32::try_from(side).ok() };
     let run = |after: Option<Duration>| {
-        let host = Stopped(AtomicBool::new(false));
+        let host = Nowhere::default();
         let job = Job::new(&host, context);
         let begun = Instant::now();
         std::thread::scope(|scope| {
@@ -62,7 +63,7 @@ fn stopped(node: &NodeType, side: usize) -> Option<(Duration, Duration)> {
                 let host = &host;
                 scope.spawn(move || {
                     std::thread::sleep(after);
-                    host.0.store(true, Ordering::Relaxed);
+                    host.cancelled.store(true, Ordering::Relaxed);
                     Instant::now()
                 })
             });
@@ -82,47 +83,4 @@ fn stopped(node: &NodeType, side: usize) -> Option<(Duration, Duration)> {
         latency.filter(|latency| matches!(error, Some(Error::Cancelled)) || *latency > Duration::ZERO)
     });
     Some((whole, latencies.max().unwrap_or_default()))
-}
-
-/// A host that is told to stop, whose files are nowhere.
-struct Stopped(AtomicBool);
-
-impl Host for Stopped {
-    fn cancelled(&self) -> bool {
-        self.0.load(Ordering::Relaxed)
-    }
-    fn progress(&self, _: f64) {}
-    fn warn(&self, _: &str) {}
-    fn memory_limit(&self) -> u64 {
-        8 << 30
-    }
-    fn input_path(&self, path: &str) -> Result<PathBuf> {
-        Err(Error::reading(path, "there are no files here"))
-    }
-    fn create(&self, _: &str) -> Result<Box<dyn OutputStream>> {
-        Ok(Box::new(Nothing(io::Cursor::default())))
-    }
-}
-
-struct Nothing(io::Cursor<Vec<u8>>);
-
-impl Write for Nothing {
-    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
-        self.0.write(bytes)
-    }
-    fn flush(&mut self) -> io::Result<()> {
-        Ok(())
-    }
-}
-
-impl Seek for Nothing {
-    fn seek(&mut self, to: SeekFrom) -> io::Result<u64> {
-        self.0.seek(to)
-    }
-}
-
-impl OutputStream for Nothing {
-    fn finish(self: Box<Self>) -> Result<()> {
-        Ok(())
-    }
 }
