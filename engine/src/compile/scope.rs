@@ -83,6 +83,17 @@ impl Compiler<'_> {
         self.expand(0, &mut vec![file], &mut files);
     }
 
+    /// Reports a field that the format does not know, and those that it knows there.
+    pub(super) fn refuse_field(&mut self, document: &Used, place: &[&str], known: &[&str]) {
+        let Some(field) = place.last() else { return };
+        let message = match place {
+            ["nodes", ..] => format!("a node has no field `{field}`"),
+            _ => format!("there is no field `{field}` here"),
+        };
+        let error = document.error_at_key(place, message);
+        self.report(error.help(suggest(field, known.iter().copied(), "fields")));
+    }
+
     fn expand(&mut self, scope: usize, stack: &mut Vec<PathBuf>, files: &mut Files) {
         let document = self.scopes[scope].document.clone();
         files.n_nodes += document.nodes.len();
@@ -90,11 +101,9 @@ impl Compiler<'_> {
             let message = format!("the graph has more than {MAX_NODES} nodes, subgraphs laid flat");
             return self.report(DocumentError::new(message).help("use fewer or smaller subgraphs"));
         }
-        for (path, known) in unknown_fields(&document) {
-            let path: Vec<&str> = path.iter().map(String::as_str).collect();
-            let field = path[path.len() - 1];
-            let unknown = document.error_at_key(&path, format!("there is no field `{field}` here"));
-            self.report(unknown.help(suggest(field, known.iter().copied(), "fields")));
+        for (place, known) in unknown_fields(&document) {
+            let place: Vec<&str> = place.iter().map(String::as_str).collect();
+            self.refuse_field(&document, &place, known);
         }
         for (name, node) in &document.nodes {
             let Body::Graph { path } = &node.body else { continue };
@@ -103,8 +112,7 @@ impl Compiler<'_> {
             }
             let error = |message: String| document.error(&["nodes", name, "graph"], message);
             for field in node.extra.keys() {
-                let unknown = document.error_at_key(&["nodes", name, field], no_field(field));
-                self.report(unknown.help(suggest(field, NODE_FIELDS, "fields")));
+                self.refuse_field(&document, &["nodes", name, field], &NODE_FIELDS);
             }
             if Path::new(path).is_absolute() || path.contains('\\') || path.is_empty() {
                 let message = format!("`{}` is no relative path", path.escape_debug());
@@ -175,10 +183,6 @@ impl Compiler<'_> {
             }
         }
     }
-}
-
-pub(super) fn no_field(field: &str) -> String {
-    format!("a node has no field `{field}`")
 }
 
 /// The path without `.` and, as far as that is safe, without `..`: two spellings of one file become one.

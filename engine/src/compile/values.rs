@@ -7,7 +7,7 @@ use orograph_core::{Error, NodeType, ParamSpec, ParamValue, RawParams};
 
 use super::{
     Compiler, Place,
-    scope::{Used, no_field},
+    scope::Used,
     settings::{AllSettings, NodeSettings, Origin, Setting},
     suggest,
     typed::{Given, typed, untyped},
@@ -75,8 +75,7 @@ impl Compiler<'_> {
                     }
                 };
                 for field in node.extra.keys() {
-                    let error = document.error_at_key(&["nodes", name, field], no_field(field));
-                    self.report(error.help(suggest(field, NODE_FIELDS, "fields")));
+                    self.refuse_field(&document, &["nodes", name, field], &NODE_FIELDS);
                 }
                 let Some(checked) = self.node_values(scope, name, node, &node_type, *version, all) else {
                     continue;
