@@ -1,6 +1,6 @@
 //! Colours and gradients, as settings have them and as graphs write them.
 
-use std::{fmt, str::FromStr};
+use std::{borrow::Cow, fmt, str::FromStr};
 
 use crate::{Error, ParamField, ParamKind, ParamValue};
 
@@ -55,7 +55,7 @@ const STOPS: usize = 256;
 /// Colours at places from 0 to 1, linear in between and constant beyond. Written `0 #203040, 0.5 #c0b080, 1 #ffffff`;
 /// a gradient without stops is the empty text.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Gradient(Vec<(f64, Colour)>);
+pub struct Gradient(Cow<'static, [(f64, Colour)]>);
 
 impl Gradient {
     /// The gradient through these stops.
@@ -81,7 +81,13 @@ impl Gradient {
                 "sort the stops and give each its own place",
             ));
         }
-        Ok(Self(stops))
+        Ok(Self(Cow::Owned(stops)))
+    }
+
+    /// The gradient through stops that are known to be in order.
+    #[must_use]
+    pub const fn of(stops: &'static [(f64, Colour)]) -> Self {
+        Self(Cow::Borrowed(stops))
     }
 
     /// Its stops, in order.

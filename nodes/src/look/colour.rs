@@ -57,99 +57,108 @@ pub enum Palette {
 }
 
 impl Palette {
-    const fn stops(self) -> &'static [(f64, u32)] {
-        match self {
-            Self::Atlas => &[
-                (0.0, 0x3d_7d5e),
-                (0.14, 0x77_ab6f),
-                (0.3, 0xc3_d08a),
-                (0.47, 0xe9_d69c),
-                (0.65, 0xc9_9e6c),
-                (0.82, 0x98_7460),
-                (0.93, 0xd6_cfca),
-                (1.0, 0xff_ffff),
-            ],
-            Self::Alpine => &[
-                (0.0, 0x46_6338),
-                (0.25, 0x78_905b),
-                (0.45, 0xa8_a57f),
-                (0.62, 0x97_8d83),
-                (0.78, 0xb7_b2ac),
-                (0.9, 0xe8_eaed),
-                (1.0, 0xff_ffff),
-            ],
+    /// The colours from 0 to 1.
+    #[must_use]
+    pub const fn gradient(self) -> Gradient {
+        Gradient::of(match self {
+            Self::Atlas => {
+                const {
+                    &[
+                        (0.0, Colour::rgb(0x3d_7d5e)),
+                        (0.14, Colour::rgb(0x77_ab6f)),
+                        (0.3, Colour::rgb(0xc3_d08a)),
+                        (0.47, Colour::rgb(0xe9_d69c)),
+                        (0.65, Colour::rgb(0xc9_9e6c)),
+                        (0.82, Colour::rgb(0x98_7460)),
+                        (0.93, Colour::rgb(0xd6_cfca)),
+                        (1.0, Colour::rgb(0xff_ffff)),
+                    ]
+                }
+            }
+            Self::Alpine => {
+                const {
+                    &[
+                        (0.0, Colour::rgb(0x46_6338)),
+                        (0.25, Colour::rgb(0x78_905b)),
+                        (0.45, Colour::rgb(0xa8_a57f)),
+                        (0.62, Colour::rgb(0x97_8d83)),
+                        (0.78, Colour::rgb(0xb7_b2ac)),
+                        (0.9, Colour::rgb(0xe8_eaed)),
+                        (1.0, Colour::rgb(0xff_ffff)),
+                    ]
+                }
+            }
             Self::Desert => {
-                &[(0.0, 0x6a_3d29), (0.25, 0xa1_5c39), (0.5, 0xce_8d56), (0.75, 0xe8_c389), (1.0, 0xf9_eed3)]
+                const {
+                    &[
+                        (0.0, Colour::rgb(0x6a_3d29)),
+                        (0.25, Colour::rgb(0xa1_5c39)),
+                        (0.5, Colour::rgb(0xce_8d56)),
+                        (0.75, Colour::rgb(0xe8_c389)),
+                        (1.0, Colour::rgb(0xf9_eed3)),
+                    ]
+                }
             }
-            Self::Grey => &[(0.0, 0x00_0000), (1.0, 0xff_ffff)],
-            Self::Viridis => &[
-                (0.0, 0x44_0154),
-                (0.125, 0x47_2d7b),
-                (0.25, 0x3b_528b),
-                (0.375, 0x2c_728e),
-                (0.5, 0x21_918c),
-                (0.625, 0x28_ae80),
-                (0.75, 0x5e_c962),
-                (0.875, 0xad_dc30),
-                (1.0, 0xfd_e725),
-            ],
+            Self::Grey => const { &[(0.0, Colour::rgb(0x00_0000)), (1.0, Colour::rgb(0xff_ffff))] },
+            Self::Viridis => {
+                const {
+                    &[
+                        (0.0, Colour::rgb(0x44_0154)),
+                        (0.125, Colour::rgb(0x47_2d7b)),
+                        (0.25, Colour::rgb(0x3b_528b)),
+                        (0.375, Colour::rgb(0x2c_728e)),
+                        (0.5, Colour::rgb(0x21_918c)),
+                        (0.625, Colour::rgb(0x28_ae80)),
+                        (0.75, Colour::rgb(0x5e_c962)),
+                        (0.875, Colour::rgb(0xad_dc30)),
+                        (1.0, Colour::rgb(0xfd_e725)),
+                    ]
+                }
+            }
             Self::Heat => {
-                &[(0.0, 0xff_ffff), (0.2, 0xfd_ecb3), (0.45, 0xf5_aa5c), (0.7, 0xcf_4a31), (1.0, 0x4b_0d20)]
+                const {
+                    &[
+                        (0.0, Colour::rgb(0xff_ffff)),
+                        (0.2, Colour::rgb(0xfd_ecb3)),
+                        (0.45, Colour::rgb(0xf5_aa5c)),
+                        (0.7, Colour::rgb(0xcf_4a31)),
+                        (1.0, Colour::rgb(0x4b_0d20)),
+                    ]
+                }
             }
-            Self::Diverging => &[
-                (0.0, 0x10_3a70),
-                (0.22, 0x3f_86c0),
-                (0.38, 0xa9_cfe6),
-                (0.5, 0xf7_f7f7),
-                (0.62, 0xf3_bda0),
-                (0.78, 0xd2_5f4d),
-                (1.0, 0x7d_1023),
-            ],
-        }
+            Self::Diverging => {
+                const {
+                    &[
+                        (0.0, Colour::rgb(0x10_3a70)),
+                        (0.22, Colour::rgb(0x3f_86c0)),
+                        (0.38, Colour::rgb(0xa9_cfe6)),
+                        (0.5, Colour::rgb(0xf7_f7f7)),
+                        (0.62, Colour::rgb(0xf3_bda0)),
+                        (0.78, Colour::rgb(0xd2_5f4d)),
+                        (1.0, Colour::rgb(0x7d_1023)),
+                    ]
+                }
+            }
+        })
     }
 
     /// The colour at `share` of the ramp; held at its ends, and at the low end for NaN.
     #[must_use]
     pub fn at(self, share: f64) -> Tint {
-        let stops = self.stops();
-        let after = stops.partition_point(|stop| stop.0 <= share);
-        let rgb = |hex: u32| [hex >> 16, hex >> 8, hex].map(|part| f64::from(part & 0xff));
-        let (low, high, t) = match (after.checked_sub(1).map(|i| stops[i]), stops.get(after)) {
-            (Some(low), Some(&high)) => (low, high, (share - low.0) / (high.0 - low.0)),
-            (Some(end), None) => (end, end, 0.0),
-            (None, _) => (stops[0], stops[0], 0.0),
-        };
-        let (low, high) = (rgb(low.1), rgb(high.1));
-        let mix = |i: usize| byte(low[i] + (high[i] - low[i]) * t);
-        [mix(0), mix(1), mix(2), 255]
+        tint(&self.gradient(), share)
     }
-}
 
-/// The colours of a palette, or a user's own where there are any.
-#[derive(Clone, Copy, Debug)]
-pub struct Ramp<'a> {
-    palette: Palette,
-    own: Option<&'a Gradient>,
-}
-
-impl<'a> Ramp<'a> {
-    /// The ramp of two settings: `own` when it has a stop.
+    /// The user's own colours, or those of the palette where there are none.
     #[must_use]
-    pub fn new(palette: Palette, own: &'a Gradient) -> Self {
-        Self { palette, own: Some(own).filter(|own| !own.stops().is_empty()) }
-    }
-
-    /// The colour at `share`, as [`Palette::at`].
-    #[must_use]
-    pub fn at(self, share: f64) -> Tint {
-        self.own.and_then(|own| own.at(share)).map_or_else(|| self.palette.at(share), |colour| colour.0)
+    pub fn unless(self, own: &Gradient) -> Gradient {
+        if own.stops().is_empty() { self.gradient() } else { own.clone() }
     }
 }
 
-impl From<Palette> for Ramp<'_> {
-    fn from(palette: Palette) -> Self {
-        Self { palette, own: None }
-    }
+/// The colour at `share` of a gradient; transparent where that has no stops.
+#[must_use]
+pub fn tint(gradient: &Gradient, share: f64) -> Tint {
+    gradient.at(share).map_or([0; 4], |colour| colour.0)
 }
 
 #[cfg(test)]
@@ -160,7 +169,8 @@ mod tests {
     fn palettes_run_from_their_first_to_their_last_stop() {
         for option in Palette::options() {
             let palette = Palette::parse(&option.name).unwrap();
-            let stops = palette.stops();
+            let gradient = palette.gradient();
+            let stops = gradient.stops();
             assert!(stops.windows(2).all(|pair| pair[0].0 < pair[1].0), "{palette:?}");
             assert_eq!((stops[0].0, stops[stops.len() - 1].0), (0.0, 1.0));
             assert_eq!(palette.at(-1.0), palette.at(0.0));

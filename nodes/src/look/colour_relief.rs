@@ -3,7 +3,7 @@
 use orograph_core::prelude::*;
 
 use super::{
-    colour::{self, Palette, Ramp},
+    colour::{self, Palette},
     hillshade::{Light, Sun},
     legend::{Legend, with_legend},
 };
@@ -81,14 +81,15 @@ impl Node for ColourRelief {
             Some((low, high)) => (f64::from(low), f64::from(high)),
             None => (self.lowest, self.highest),
         };
-        let colours = Ramp::new(self.palette, &self.colours);
+        let colours = self.palette.unless(&self.colours);
         // Level terrain takes the first colour.
         let per_metre = if high > low { 1.0 / (high - low) } else { 0.0 };
         let sun = Sun::new(315.0, 45.0, self.light);
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
             for (pixel, &height) in out.iter_mut().zip(terrain.row(row)) {
                 let height = f64::from(height);
-                *pixel = if height.is_nan() { void } else { colours.at((height - low) * per_metre) };
+                *pixel =
+                    if height.is_nan() { void } else { colour::tint(&colours, (height - low) * per_metre) };
             }
             if self.shading > 0.0 {
                 sun.brightnesses(terrain, row, self.exaggeration, |start, bright| {

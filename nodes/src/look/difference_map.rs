@@ -69,7 +69,7 @@ impl Node for DifferenceMap {
         let picture = difference.map(job, |metres| {
             if metres.is_nan() { void } else { palette.at((f64::from(metres) / largest + 1.0) / 2.0) }
         })?;
-        let legend = Legend { colours: palette.into(), low: -largest, high: largest, unit: "m" };
+        let legend = Legend { colours: palette.gradient(), low: -largest, high: largest, unit: "m" };
         let picture = if self.legend { with_legend(&picture, &legend, job)? } else { picture };
         Ok(DifferenceMapOut { picture })
     }

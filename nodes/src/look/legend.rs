@@ -4,7 +4,7 @@ use orograph_core::prelude::*;
 
 use super::{
     canvas::{Anchor, Canvas, Type},
-    colour::{INK, PAPER, Ramp},
+    colour::{INK, PAPER, tint},
     ticks,
 };
 
@@ -12,7 +12,7 @@ use super::{
 #[derive(Clone, Debug)]
 pub struct Legend<'a> {
     /// Colours from the bottom up.
-    pub colours: Ramp<'a>,
+    pub colours: Gradient,
     /// The value at the bottom.
     pub low: f64,
     /// The value at the top.
@@ -53,7 +53,7 @@ pub fn with_legend(picture: &Texture, legend: &Legend<'_>, job: &Job) -> Result<
     canvas.text(legend.unit, left, head / 2, Anchor::Left, face, INK);
     for i in 0..long {
         let share = 1.0 - (i as f64 + 0.5) / long as f64;
-        canvas.fill(left, head + i, bar, 1, legend.colours.at(share));
+        canvas.fill(left, head + i, bar, 1, tint(&legend.colours, share));
     }
     canvas.frame(left - 1, head - 1, bar + 2, long + 2, INK);
     for tick in &ticks {
@@ -76,7 +76,7 @@ mod tests {
             let mut grid = Grid::new(rows, cols, CellSize { x: 3.0, y: 2.0 }).unwrap();
             grid.row0 = 7;
             let picture = Texture::filled(grid, [1, 2, 3, 255], &job).unwrap();
-            let legend = Legend { colours: Palette::Grey.into(), low: -2.0, high: 5.0, unit: "m" };
+            let legend = Legend { colours: Palette::Grey.gradient(), low: -2.0, high: 5.0, unit: "m" };
             let out = with_legend(&picture, &legend, &job).unwrap();
             assert_eq!(out.crop(0, 0, rows, cols, &job).unwrap().cells(), picture.cells());
             assert_eq!(out.grid().position(0, 0), picture.grid().position(0, 0));

@@ -3,7 +3,7 @@
 use glam::DVec2;
 use orograph_core::prelude::*;
 
-use super::colour::{Palette, Ramp};
+use super::colour::{Palette, tint};
 use crate::surface;
 
 /// Colours terrain by its steepness in degrees.
@@ -52,12 +52,12 @@ impl Node for Slope {
 
     fn run(&self, inputs: SlopeIn<'_>, job: &Job) -> Result<SlopeOut> {
         let terrain = inputs.terrain;
-        let (void, colours) = (self.void_colour.0, Ramp::new(self.palette, &self.colours));
+        let (void, colours) = (self.void_colour.0, self.palette.unless(&self.colours));
         let picture = Texture::build(terrain.grid().clone(), job, |row, out| {
             surface::gradients(terrain, row, |start, east, north| {
                 for ((pixel, &east), &north) in out[start..].iter_mut().zip(east).zip(north) {
                     let steep = surface::slope_degrees(DVec2::new(east, north));
-                    *pixel = if steep.is_nan() { void } else { colours.at(steep / self.steepest) };
+                    *pixel = if steep.is_nan() { void } else { tint(&colours, steep / self.steepest) };
                 }
             });
             Ok(())
