@@ -129,25 +129,46 @@ impl<K: Kind> Raster<K> {
         job: &Job,
         fill: impl Fn(usize, &mut [K::Cell]) -> Result<()> + Sync,
     ) -> Result<Self> {
+        Self::build_lots(grid, 1, job, fill)
+    }
+
+    /// [`build`](Self::build) for a `fill` that makes `lot` rows at a time, fewer at the end, and writes every cell of them:
+    /// it gets the first row and the cells, which hold zeros before.
+    ///
+    /// # Errors
+    /// Those of [`build`](Self::build).
+    pub fn build_lots(
+        grid: Grid,
+        lot: usize,
+        job: &Job,
+        fill: impl Fn(usize, &mut [K::Cell]) -> Result<()> + Sync,
+    ) -> Result<Self> {
         let mut raster = Self::zeroed(grid, job)?;
-        let (rows, cols) = raster.grid.size();
+        let ((rows, cols), lot) = (raster.grid.size(), lot.max(1));
         if !raster.grid.is_empty() {
             let done = job.stage(rows as u64);
-            raster.cells.par_chunks_mut(cols).with_min_len(min_rows(cols)).enumerate().try_for_each(
-                |(row, cells)| {
+            let least = min_rows(cols).div_ceil(lot);
+            raster
+                .cells
+                .par_chunks_mut(lot.saturating_mul(cols))
+                .with_min_len(least)
+                .enumerate()
+                .try_for_each(|(i, cells)| {
                     job.check()?;
-                    fill(row, cells)?;
-                    done.advance(1);
+                    fill(i * lot, cells)?;
+                    done.advance((cells.len() / cols) as u64);
                     Ok(())
-                },
-            )?;
+                })?;
         }
         Ok(raster)
     }
 
-    /// Untouched zeros cost nothing: each page comes, in parallel, when its row is filled, which spares a walk
-    /// over the whole memory before.
-    pub(crate) fn zeroed(grid: Grid, job: &Job) -> Result<Self> {
+    /// A raster of zero bytes, for cells that will all be written. Untouched zeros cost nothing: each page comes when its
+    /// row is filled, in parallel where that is, which spares a walk over the whole memory before.
+    ///
+    /// # Errors
+    /// [`Error::TooLarge`] when `job` does not admit the memory.
+    pub fn zeroed(grid: Grid, job: &Job) -> Result<Self> {
         Self::admit(&grid, job)?;
         let cells = Buffer::zeroed(grid.len()).ok_or_else(|| Self::too_large(&grid))?;
         Ok(Self { grid, cells })

@@ -54,19 +54,11 @@ fn reach(sigma: f64) -> usize {
     (4.0 * sigma).ceil() as usize
 }
 
-/// Weights of the cells at distances 0, 1, … from the centre; no more of them than there are cells.
-fn bell(sigma: f64, cells: usize) -> Vec<f64> {
-    let reach = reach(sigma).min(cells.saturating_sub(1));
-    (0..=reach)
-        .map(|i| {
-            let t = if i == 0 { 0.0 } else { i as f64 / sigma };
-            libm::exp(-0.5 * t * t)
-        })
-        .collect()
-}
-
-/// Cells whose sums are kept in registers together.
+/// Cells of a row whose sums are kept in registers together.
 const BLOCK: usize = 32;
+/// Rows whose sums are kept in registers together, and their columns.
+const ROWS: usize = 4;
+const COLS: usize = 16;
 
 /// `terrain` smoothed by a bell of `sigma` metres; linear in `sigma`.
 ///
@@ -74,40 +66,74 @@ const BLOCK: usize = 32;
 /// [`Error::TooLarge`] and [`Error::Cancelled`].
 pub fn blur(terrain: &Heightfield, sigma: f64, job: &Job) -> Result<Heightfield> {
     let (grid, arch) = (terrain.grid(), Arch::new());
-    let across = bell(sigma / grid.cell.x, grid.cols);
-    let down = bell(sigma / grid.cell.y, grid.rows);
-    let pass = |weigh: fn(f32) -> f32| {
-        Heightfield::build(grid.clone(), job, |row, out| {
-            let cells: Vec<f64> = terrain.row(row).iter().map(|&height| f64::from(weigh(height))).collect();
-            arch.dispatch(Along { cells: &cells, bell: &across, out });
+    let across = Bell::new(sigma / grid.cell.x, grid.cols);
+    let down = Bell::new(sigma / grid.cell.y, grid.rows);
+    let pass = |weigh: Weigh| {
+        Heightfield::build_lots(grid.clone(), ROWS, job, |first, out| {
+            let mut cells = across.beside_nothing(grid.cols);
+            for (row, out) in out.chunks_mut(grid.cols).enumerate() {
+                let heights = terrain.row(first + row);
+                arch.dispatch(Weighed { heights, weigh, cells: &mut cells[across.reach..] });
+                arch.dispatch(Along { cells: &cells, bell: across.whole(), out });
+            }
             Ok(())
         })
     };
-    let heights = pass(|height| if height.is_nan() { 0.0 } else { height })?;
+    let heights = pass(Weigh::Height)?;
     let weights = match terrain.void_count() {
         0 => Weights::even(grid.size(), &across, &down, arch),
-        _ => Weights::Each(pass(|height| f32::from(u8::from(!height.is_nan())))?),
+        _ => Weights::Each(pass(Weigh::Presence)?),
     };
-    Heightfield::build(grid.clone(), job, |row, out| {
+    Heightfield::build_lots(grid.clone(), ROWS, job, |first, out| {
+        let n = out.len() / grid.cols;
         let sums = |field: &[f32], stride: usize| {
-            let mut sums = vec![0.0; grid.cols];
-            arch.dispatch(Down { field, stride, rows: grid.rows, bell: &down, row, sums: &mut sums });
+            let mut sums = vec![0.0; out.len()];
+            let (rows, cols) = grid.size();
+            arch.dispatch(Down { field, stride, rows, bell: &down, first, cols, sums: &mut sums });
             sums
         };
         let height = sums(heights.cells(), grid.cols);
         let weight = match &weights {
-            Weights::Even { inner, .. } if row >= down.len() - 1 && row + down.len() <= grid.rows => inner,
+            Weights::Even { inner, .. } if first >= down.reach && first + n + down.reach <= grid.rows => {
+                inner
+            }
             Weights::Even { across, .. } => &sums(across, 0),
             Weights::Each(weights) => &sums(weights.cells(), grid.cols),
         };
-        for (((out, &here), height), weight) in out.iter_mut().zip(terrain.row(row)).zip(&height).zip(weight)
-        {
-            if !here.is_nan() {
-                *out = (height / weight) as f32;
-            }
-        }
+        let here = &terrain.cells()[first * grid.cols..];
+        arch.dispatch(Means { here, sums: &height, weights: weight, out });
         Ok(())
     })
+}
+
+/// Weights of the cells around one, of those at all distances from `-reach` to `reach`.
+struct Bell {
+    reach: usize,
+    /// Among zeros, [`ROWS`] on either side.
+    weights: Vec<f64>,
+}
+
+impl Bell {
+    /// A bell of `sigma` cells; no wider than there are cells.
+    fn new(sigma: f64, cells: usize) -> Self {
+        let reach = reach(sigma).min(cells.saturating_sub(1));
+        let mut weights = vec![0.0; 2 * (reach + ROWS) + 1];
+        for (i, weight) in weights[ROWS..=2 * reach + ROWS].iter_mut().enumerate() {
+            let away = i.abs_diff(reach);
+            let t = if away == 0 { 0.0 } else { away as f64 / sigma };
+            *weight = libm::exp(-0.5 * t * t);
+        }
+        Self { reach, weights }
+    }
+
+    fn whole(&self) -> &[f64] {
+        &self.weights[ROWS..=2 * self.reach + ROWS]
+    }
+
+    /// Room for a row of `n` cells from `reach` on, among as many zeros as its [`Along`] asks for.
+    fn beside_nothing(&self, n: usize) -> Vec<f64> {
+        vec![0.0; n.next_multiple_of(BLOCK) + 2 * self.reach]
+    }
 }
 
 /// What the heights around each cell weigh together.
@@ -116,7 +142,7 @@ enum Weights {
     Even {
         /// The weights along a row.
         across: Vec<f32>,
-        /// Those sums down the columns of a row whose neighbours are all there.
+        /// Those sums down the columns of rows whose neighbours are all there, as many as are made together.
         inner: Vec<f64>,
     },
     /// The weights along each row.
@@ -124,20 +150,84 @@ enum Weights {
 }
 
 impl Weights {
-    fn even((rows, cols): (usize, usize), across: &[f64], down: &[f64], arch: Arch) -> Self {
+    fn even((rows, cols): (usize, usize), across: &Bell, down: &Bell, arch: Arch) -> Self {
         let mut weights = vec![0.0; cols];
-        arch.dispatch(Along { cells: &vec![1.0; cols], bell: across, out: &mut weights });
-        let mut inner = vec![0.0; cols];
-        // Any row that is far enough from the borders, in a raster that has one.
-        let row = down.len() - 1;
-        let rows = rows.max(2 * down.len());
-        arch.dispatch(Down { field: &weights, stride: 0, rows, bell: down, row, sums: &mut inner });
+        let mut ones = across.beside_nothing(cols);
+        ones[across.reach..][..cols].fill(1.0);
+        arch.dispatch(Along { cells: &ones, bell: across.whole(), out: &mut weights });
+        let mut inner = vec![0.0; ROWS * cols];
+        // Any rows that are far enough from the borders, in a raster that has them.
+        let rows = rows.max(2 * down.reach + ROWS);
+        arch.dispatch(Down {
+            field: &weights,
+            stride: 0,
+            rows,
+            bell: down,
+            first: down.reach,
+            cols,
+            sums: &mut inner,
+        });
         Self::Even { across: weights, inner }
+    }
+}
+
+/// What of a cell is summed.
+#[derive(Clone, Copy)]
+enum Weigh {
+    /// Its height; 0 for a void.
+    Height,
+    /// 1; 0 for a void.
+    Presence,
+}
+
+/// A row on its way to being summed.
+struct Weighed<'a> {
+    heights: &'a [f32],
+    weigh: Weigh,
+    cells: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Weighed<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let pairs = self.cells.iter_mut().zip(self.heights);
+        match self.weigh {
+            Weigh::Height => pairs.for_each(|(cell, height)| {
+                *cell = if height.is_nan() { 0.0 } else { f64::from(*height) };
+            }),
+            Weigh::Presence => pairs.for_each(|(cell, height)| {
+                *cell = if height.is_nan() { 0.0 } else { 1.0 };
+            }),
+        }
+    }
+}
+
+/// Sums over weights where there is a height.
+struct Means<'a> {
+    here: &'a [f32],
+    sums: &'a [f64],
+    weights: &'a [f64],
+    out: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Means<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let n = self.out.len();
+        let (here, sums, weights) = (&self.here[..n], &self.sums[..n], &self.weights[..n]);
+        for (i, out) in self.out.iter_mut().enumerate() {
+            *out = if here[i].is_nan() { f32::NAN } else { (sums[i] / weights[i]) as f32 };
+        }
     }
 }
 
 /// Weighted sums along a row, each in the order of its columns.
 struct Along<'a> {
+    /// The row among zeros, which add nothing.
     cells: &'a [f64],
     bell: &'a [f64],
     out: &'a mut [f32],
@@ -149,41 +239,49 @@ impl NullaryFnOnce for Along<'_> {
     #[inline(always)]
     fn call(self) {
         let Self { cells, bell, out } = self;
-        let (n, reach) = (cells.len(), bell.len() - 1);
         for (block, out) in out.chunks_mut(BLOCK).enumerate() {
-            let start = block * BLOCK;
-            if start >= reach && start + BLOCK + reach <= n {
-                let mut sums = [0.0_f64; BLOCK];
-                for offset in 0..=2 * reach {
-                    let weight = bell[offset.abs_diff(reach)];
-                    let window = &cells[start + offset - reach..][..BLOCK];
-                    for (sum, cell) in sums.iter_mut().zip(window) {
-                        *sum += weight * cell;
-                    }
+            let mut sums = [0.0_f64; BLOCK];
+            for (window, weight) in cells[block * BLOCK..].windows(BLOCK).zip(bell) {
+                for (sum, cell) in sums.iter_mut().zip(window) {
+                    *sum += weight * cell;
                 }
-                for (out, sum) in out.iter_mut().zip(sums) {
-                    *out = sum as f32;
-                }
-                continue;
             }
-            for (i, out) in out.iter_mut().enumerate() {
-                let col = start + i;
-                let others = col.saturating_sub(reach)..(col + reach + 1).min(n);
-                *out = others.fold(0.0, |sum, other| sum + bell[other.abs_diff(col)] * cells[other]) as f32;
-            }
+            let sums = sums.map(|sum| sum as f32);
+            out.copy_from_slice(&sums[..out.len()]);
         }
     }
 }
 
-/// Weighted sums down the columns of a row, each in the order of its rows.
+/// Weighted sums down the columns of at most [`ROWS`] rows, each in the order of its rows.
 struct Down<'a> {
     field: &'a [f32],
     /// From one row to the next; 0 where all rows are the same one.
     stride: usize,
     rows: usize,
-    bell: &'a [f64],
-    row: usize,
+    bell: &'a Bell,
+    first: usize,
+    cols: usize,
     sums: &'a mut [f64],
+}
+
+impl Down<'_> {
+    /// The sums of `n` columns from `start` on, at most [`COLS`].
+    #[inline(always)]
+    fn block(&self, start: usize, n: usize) -> [[f64; COLS]; ROWS] {
+        let reach = self.bell.reach;
+        let mut sums = [[0.0_f64; COLS]; ROWS];
+        for other in self.first.saturating_sub(reach)..(self.first + ROWS + reach).min(self.rows) {
+            let cells = &self.field[other * self.stride + start..][..n];
+            // The bell of each row lies one further; beyond a bell are zeros, which add nothing.
+            let weights = &self.bell.weights[other + reach + 1 - self.first..][..ROWS];
+            for (sums, weight) in sums.iter_mut().zip(weights.iter().rev()) {
+                for (sum, &cell) in sums.iter_mut().zip(cells) {
+                    *sum += weight * f64::from(cell);
+                }
+            }
+        }
+        sums
+    }
 }
 
 impl NullaryFnOnce for Down<'_> {
@@ -191,26 +289,13 @@ impl NullaryFnOnce for Down<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { field, stride, rows, bell, row, sums } = self;
-        let reach = bell.len() - 1;
-        let others = row.saturating_sub(reach)..(row + reach + 1).min(rows);
-        for (block, out) in sums.chunks_mut(BLOCK).enumerate() {
-            let start = block * BLOCK;
-            let mut sums = [0.0_f64; BLOCK];
-            for other in others.clone() {
-                let weight = bell[other.abs_diff(row)];
-                let cells = &field[other * stride + start..][..out.len()];
-                if cells.len() == BLOCK {
-                    for (sum, &cell) in sums.iter_mut().zip(&cells[..BLOCK]) {
-                        *sum += weight * f64::from(cell);
-                    }
-                } else {
-                    for (sum, &cell) in sums.iter_mut().zip(cells) {
-                        *sum += weight * f64::from(cell);
-                    }
-                }
+        for start in (0..self.cols).step_by(COLS) {
+            let n = COLS.min(self.cols - start);
+            // A number that is known beforehand is what keeps the sums in registers.
+            let made = if n == COLS { self.block(start, COLS) } else { self.block(start, n) };
+            for (sums, made) in self.sums.chunks_mut(self.cols).zip(made) {
+                sums[start..start + n].copy_from_slice(&made[..n]);
             }
-            out.copy_from_slice(&sums[..out.len()]);
         }
     }
 }

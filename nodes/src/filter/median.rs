@@ -62,13 +62,13 @@ const TILE: usize = 64;
 /// # Errors
 /// [`Error::TooLarge`] when the result does not fit, or cancellation.
 pub fn median(terrain: &Heightfield, radius: usize, job: &Job<'_>) -> Result<Heightfield> {
-    let mut out = Heightfield::filled(terrain.grid().clone(), f32::NAN, job)?;
     let (rows, cols) = terrain.grid().size();
-    if terrain.grid().is_empty() {
-        return Ok(out);
-    }
     if radius == 1 {
         return nine::median(terrain, job);
+    }
+    let mut out = Heightfield::filled(terrain.grid().clone(), f32::NAN, job)?;
+    if terrain.grid().is_empty() {
+        return Ok(out);
     }
     let side = TILE.max(2 * radius);
     let done = job.stage(rows as u64);

@@ -3,6 +3,7 @@
 
 use orograph_core::prelude::*;
 use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
 
 use super::{ordered, unordered};
 
@@ -10,17 +11,18 @@ use super::{ordered, unordered};
 pub(super) fn median(terrain: &Heightfield, job: &Job<'_>) -> Result<Heightfield> {
     let (rows, cols) = terrain.grid().size();
     let arch = Arch::new();
-    Heightfield::build(terrain.grid().clone(), job, |row, out| {
+    let none_void = |row: &[f32]| !row.iter().fold(false, |any, height| any | height.is_nan());
+    let known: Vec<bool> = terrain.cells().par_chunks(cols.max(1)).with_min_len(16).map(none_void).collect();
+    Heightfield::build_lots(terrain.grid().clone(), 1, job, |row, out| {
         let inner = row > 0 && row + 1 < rows && cols > 2;
-        let known = |row: usize| terrain.row(row).iter().all(|height| !height.is_nan());
-        if inner && (row - 1..=row + 1).all(known) {
+        if inner && known[row - 1..=row + 1] == [true; 3] {
             let lines = [terrain.row(row - 1), terrain.row(row), terrain.row(row + 1)];
             arch.dispatch(Line { lines, out: &mut *out });
             out[0] = at(terrain, row, 0);
             out[cols - 1] = at(terrain, row, cols - 1);
-            return Ok(());
+        } else {
+            out.iter_mut().enumerate().for_each(|(col, out)| *out = at(terrain, row, col));
         }
-        out.iter_mut().enumerate().for_each(|(col, out)| *out = at(terrain, row, col));
         Ok(())
     })
 }
