@@ -168,6 +168,13 @@ fn read(bencher: Bencher<'_, '_>, case: &Case) {
         .bench(|| (case.0.read)(&bytes, &Job::detached()).expect("what was written is sound"));
 }
 
+/// What "near memory speed" is measured against: the heights of a tile copied into memory of their own.
+#[divan::bench(args = TILES, sample_count = 5)]
+fn copy(bencher: Bencher<'_, '_>, side: usize) {
+    let heights = Case(&FORMATS[6], side).terrain();
+    bencher.counter(BytesCount::new(side * side * 2)).bench(|| heights.cells().to_vec());
+}
+
 fn main() {
     divan::main();
 }

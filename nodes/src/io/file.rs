@@ -88,8 +88,12 @@ pub(crate) fn save_bytes(path: &OutputPath, bytes: &[u8], job: &Job) -> Result<(
 
 /// Refuses a raster with an infinite height: no node downstream could make sense of it.
 pub(crate) fn refuse_infinite(terrain: &Heightfield, name: &str) -> Result<()> {
-    const PART: usize = 1 << 16;
-    let place = terrain.cells().par_chunks(PART).enumerate().find_map_first(|(part, cells)| {
+    const PART: usize = 1 << 12;
+    // Whether there is one is asked of many cells at once; where it is only matters then.
+    let any = |cells: &&[f32]| cells.iter().fold(false, |any, height| any | height.is_infinite());
+    let place =
+        terrain.cells().par_chunks(PART).enumerate().with_min_len(16).find_first(|(_, cells)| any(cells));
+    let place = place.and_then(|(part, cells)| {
         cells.iter().position(|height| height.is_infinite()).map(|at| part * PART + at)
     });
     let cols = terrain.cols().max(1);

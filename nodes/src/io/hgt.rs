@@ -6,7 +6,10 @@
 use orograph_core::prelude::*;
 use rayon::prelude::*;
 
-use super::ground::{MapUnit, cell_size};
+use super::{
+    ground::{MapUnit, cell_size},
+    whole::nearest,
+};
 
 /// Sides of the two kinds of tile, in samples.
 const SIDES: [usize; 2] = [1201, 3601];
@@ -104,6 +107,13 @@ pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
     Heightfield::new(grid, cells)
 }
 
+/// What a tile holds for a height, and whether that says just this height and nothing else.
+fn sample(height: f32) -> (i16, bool) {
+    let (whole, fits) = nearest(height, i32::from(VOID) + 1, i32::from(i16::MAX));
+    let is_void = height.is_nan();
+    (if is_void { VOID } else { whole as i16 }, is_void | fits)
+}
+
 /// A tile's bytes. Heights are rounded to whole metres, halves away from zero.
 ///
 /// # Errors
@@ -120,19 +130,22 @@ pub fn write(terrain: &Heightfield, job: &Job) -> Result<Vec<u8>> {
     let mut bytes = vec![0; terrain.cells().len() * 2];
     bytes.par_chunks_mut(cols * 2).enumerate().try_for_each(|(row, out)| {
         job.check()?;
-        for (col, (out, &height)) in out.as_chunks_mut::<2>().0.iter_mut().zip(terrain.row(row)).enumerate() {
-            // f64 holds the sum exactly, so halves are told from what lies just below them.
-            let rounded = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i32;
-            let whole = if height.is_nan() { i32::from(VOID) } else { rounded };
-            let stored = i16::try_from(whole).ok().filter(|&whole| height.is_nan() || whole != VOID);
-            *out = stored.map(i16::to_be_bytes).ok_or_else(|| {
-                Error::invalid(
-                    format!("height {height} m at row {row}, column {col} does not fit an SRTM tile"),
-                    "clamp the heights to -32767 to 32767 m first",
-                )
-            })?;
+        let heights = terrain.row(row);
+        // All cells before any is judged: a way out of the loop would keep it from taking many at once.
+        let mut fits = true;
+        for (out, &height) in out.as_chunks_mut::<2>().0.iter_mut().zip(heights) {
+            let (stored, is_its_own) = sample(height);
+            *out = stored.to_be_bytes();
+            fits &= is_its_own;
         }
-        Ok(())
+        let stray = if fits { None } else { heights.iter().position(|&height| !sample(height).1) };
+        stray.map_or(Ok(()), |col| {
+            let height = heights[col];
+            Err(Error::invalid(
+                format!("height {height} m at row {row}, column {col} does not fit an SRTM tile"),
+                "clamp the heights to -32767 to 32767 m first",
+            ))
+        })
     })?;
     Ok(bytes)
 }

@@ -23,6 +23,7 @@ mod solid;
 pub mod target;
 #[cfg(test)]
 mod tests;
+mod whole;
 pub mod write_ascii;
 pub mod write_exr;
 pub mod write_geotiff;

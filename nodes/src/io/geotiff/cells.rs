@@ -1,11 +1,13 @@
 //! The cells of a file being written: what they are to its readers, and their bytes.
 
 use orograph_core::prelude::*;
+use pulp::{Arch, NullaryFnOnce};
 
 use super::{
     sample::{self, Bits},
     write::{Options, SampleType},
 };
+use crate::io::whole::nearest;
 
 /// What the tags of a file say of its cells.
 pub struct Described {
@@ -173,15 +175,23 @@ fn floats<'a, B: Bits>(
     bytes: &mut Vec<u8>,
 ) -> Result<(), (usize, usize)> {
     let nodata = to.options.nodata as f32;
+    let refused = |height: f32| (height == nodata) | height.is_infinite();
     let mut samples = vec![bits(nodata); to.cols];
     for (row, heights) in lines {
-        for (col, (out, &height)) in samples.iter_mut().zip(heights).enumerate() {
-            if height == nodata || height.is_infinite() {
-                return Err((row, col));
-            }
+        let mut stray = false;
+        for (out, &height) in samples.iter_mut().zip(heights) {
+            stray |= refused(height);
             *out = bits(if height.is_nan() { nodata } else { height });
         }
-        append(&samples, to.predict, sample::sort_bytes, bytes);
+        let stray = if stray { heights.iter().position(|&height| refused(height)) } else { None };
+        if let Some(col) = stray {
+            return Err((row, col));
+        }
+        if to.predict {
+            sample::sort_bytes(&samples, bytes);
+        } else {
+            sample::plain(&mut samples, bytes);
+        }
     }
     Ok(())
 }
@@ -190,32 +200,51 @@ fn floats<'a, B: Bits>(
 fn integers<'a, B: Bits>(
     lines: impl Iterator<Item = (usize, &'a [f32])>,
     to: &Row<'_>,
-    bits: impl Fn(i64) -> B,
+    bits: impl Fn(i32) -> B + Copy,
     bytes: &mut Vec<u8>,
 ) -> Result<(), (usize, usize)> {
     let (low, high) = to.options.sample.limits();
-    let (low, high, nodata) = (low as i64, high as i64, to.options.nodata as i64);
+    let (low, high, nodata) = (low as i32, high as i32, to.options.nodata as i32);
+    let stored = |height: f32| {
+        let (whole, fits) = nearest(height, low, high);
+        let known = !height.is_nan();
+        (if known { whole } else { nodata }, !known | (fits & (whole != nodata)))
+    };
+    let arch = Arch::new();
     let mut samples = vec![bits(nodata); to.cols];
     for (row, heights) in lines {
-        for (col, (out, &height)) in samples.iter_mut().zip(heights).enumerate() {
-            // f64 holds the sum exactly, so halves are told from what lies just below them.
-            let whole = (f64::from(height) + 0.5_f64.copysign(f64::from(height))) as i64;
-            let known = !height.is_nan();
-            if known && (whole < low || whole > high || whole == nodata) {
-                return Err((row, col));
-            }
-            *out = bits(if known { whole } else { nodata });
+        if !arch.dispatch(Stored { heights, stored, bits, samples: &mut samples }) {
+            let stray = heights.iter().position(|&height| !stored(height).1);
+            return Err((row, stray.unwrap_or_default()));
         }
-        append(&samples, to.predict, sample::differences, bytes);
+        if to.predict {
+            sample::difference(&mut samples);
+        }
+        sample::plain(&mut samples, bytes);
     }
     Ok(())
 }
 
-/// Appends a row, by its predictor where bytes are packed.
-fn append<B: Bits>(samples: &[B], packed: bool, predict: impl Fn(&[B], &mut Vec<u8>), bytes: &mut Vec<u8>) {
-    if packed {
-        predict(samples, bytes);
-    } else {
-        samples.iter().for_each(|sample| sample.add_to(bytes));
+/// Heights on their way to being samples: `stored` tells the whole number of one and whether it may stand for it.
+struct Stored<'a, B, F, G> {
+    heights: &'a [f32],
+    stored: F,
+    bits: G,
+    samples: &'a mut [B],
+}
+
+impl<B, F: Fn(f32) -> (i32, bool), G: Fn(i32) -> B> NullaryFnOnce for Stored<'_, B, F, G> {
+    type Output = bool;
+
+    /// Whether all may. All are made before any is judged: a way out of the loop would keep it from taking many at once.
+    #[inline(always)]
+    fn call(self) -> bool {
+        let mut fit = true;
+        for (out, &height) in self.samples.iter_mut().zip(self.heights) {
+            let (whole, fits) = (self.stored)(height);
+            *out = (self.bits)(whole);
+            fit &= fits;
+        }
+        fit
     }
 }

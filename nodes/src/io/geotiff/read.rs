@@ -43,7 +43,7 @@ struct Layout<'a> {
 /// [`Error::NonFinite`] for an infinite height, [`Error::TooLarge`], [`Error::Cancelled`].
 pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
     let (layout, grid) = Layout::open(Bytes::Memory(bytes), name, job)?;
-    let mut terrain = Heightfield::filled(grid, f32::NAN, job)?;
+    let mut terrain = Heightfield::zeroed(grid, job)?;
     let cols = layout.cols;
     let bands = terrain.rows().div_ceil(layout.chunk.0);
     let done = job.stage(bands as u64);
@@ -55,7 +55,9 @@ pub fn read(bytes: &[u8], name: &str, job: &Job) -> Result<Heightfield> {
             Ok(())
         },
     )?;
-    refuse_infinite(&terrain, name)?;
+    if layout.row.may_be_infinite() {
+        refuse_infinite(&terrain, name)?;
+    }
     Ok(terrain)
 }
 
@@ -98,7 +100,7 @@ impl BandSource for GeotiffSource {
 
     fn band(&self, first: usize, rows: usize, job: &Job) -> Result<Value> {
         let (layout, cols, step) = (&self.layout, self.layout.cols, self.layout.chunk.0);
-        let mut band = Heightfield::filled(self.grid.crop(first, 0, rows, cols)?, f32::NAN, job)?;
+        let mut band = Heightfield::zeroed(self.grid.crop(first, 0, rows, cols)?, job)?;
         // Rows of the band that lie in one row of strips or tiles are filled together.
         let lead = (first.next_multiple_of(step) - first).min(rows);
         let (head, rest) = band.cells_mut().split_at_mut(lead * cols);
@@ -116,17 +118,18 @@ impl BandSource for GeotiffSource {
                 if (skip, out.len()) == (0, stored * cols) {
                     return layout.read_band(index, out, &mut scratch.1, job);
                 }
-                scratch.0.clear();
-                scratch.0.resize(stored * cols, f32::NAN);
+                scratch.0.resize(stored * cols, 0.0);
                 layout.read_band(index, &mut scratch.0, &mut scratch.1, job)?;
                 out.copy_from_slice(&scratch.0[skip * cols..][..out.len()]);
                 Ok(())
             },
         )?;
-        refuse_infinite(&band, &layout.name).map_err(|error| match error {
-            Error::NonFinite { what, row, col } => Error::NonFinite { what, row: row + first, col },
-            other => other,
-        })?;
+        if layout.row.may_be_infinite() {
+            refuse_infinite(&band, &layout.name).map_err(|error| match error {
+                Error::NonFinite { what, row, col } => Error::NonFinite { what, row: row + first, col },
+                other => other,
+            })?;
+        }
         Ok(band.into_value())
     }
 }
@@ -249,7 +252,7 @@ impl<'a> Layout<'a> {
         Ok(())
     }
 
-    /// Reads one row of chunks into `out`, the rows of the image that they cover.
+    /// Reads one row of chunks into `out`, the rows of the image that they cover; every cell is written.
     fn read_band(&self, band: usize, out: &mut [f32], scratch: &mut Vec<u8>, job: &Job) -> Result<()> {
         let rows = out.len() / self.cols;
         let stored_rows = if self.padded { self.chunk.0 } else { rows };
@@ -258,8 +261,12 @@ impl<'a> Layout<'a> {
             job.check()?;
             let index = band * self.across + across;
             let (offset, count) = (self.offsets[index], self.byte_counts[index]);
+            let first = across * self.chunk.1;
+            let last = (first + self.chunk.1).min(self.cols);
             if count == 0 {
-                continue; // a sparse file leaves out what holds nothing
+                // A sparse file leaves out what holds nothing.
+                out.chunks_exact_mut(self.cols).for_each(|row| row[first..last].fill(f32::NAN));
+                continue;
             }
             let number = index + 1;
             let packed = self.ifd.slice(offset, count)?.ok_or_else(|| {
@@ -278,8 +285,6 @@ impl<'a> Layout<'a> {
             if !self.packing.unpack(&packed, scratch) {
                 return Err(corrupt());
             }
-            let first = across * self.chunk.1;
-            let last = (first + self.chunk.1).min(self.cols);
             for (bytes, out) in scratch.chunks_exact_mut(row_len).zip(out.chunks_exact_mut(self.cols)) {
                 self.row.heights(bytes, &mut out[first..last]);
             }

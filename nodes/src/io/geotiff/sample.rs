@@ -1,8 +1,9 @@
 //! Samples: from the bytes of an unpacked row to heights, and back.
 //!
 //! Predictor 2 stores differences of neighbouring samples, predictor 3 the bytes of floating-point numbers
-//! sorted by significance and then differenced. Both are undone in the pass that makes heights, since a
-//! second walk over memory costs more than the sums.
+//! sorted by significance and then differenced. Both are undone row by row, while a row is close at hand.
+
+use bytemuck::Pod;
 
 /// The type of a sample, as the file declares it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -63,12 +64,13 @@ pub(super) struct Row {
 }
 
 /// Samples as bit patterns, on which differences are taken.
-pub(super) trait Bits: Copy + Default {
+pub(super) trait Bits: Pod + Default {
     fn from_le(bytes: &[u8]) -> Self;
     fn from_be(bytes: &[u8]) -> Self;
     fn plus(self, other: Self) -> Self;
     fn minus(self, other: Self) -> Self;
-    fn add_to(self, bytes: &mut Vec<u8>);
+    /// Whose bytes in memory are its own, the least significant first.
+    fn little_endian(self) -> Self;
     /// One of its bytes, the most significant first.
     fn byte(self, plane: usize) -> u8;
 }
@@ -88,8 +90,8 @@ macro_rules! bits {
             fn minus(self, other: Self) -> Self {
                 self.wrapping_sub(other)
             }
-            fn add_to(self, bytes: &mut Vec<u8>) {
-                bytes.extend_from_slice(&self.to_le_bytes());
+            fn little_endian(self) -> Self {
+                self.to_le()
             }
             fn byte(self, plane: usize) -> u8 {
                 (self >> (8 * (size_of::<$ty>() - 1 - plane))) as u8
@@ -132,7 +134,7 @@ impl Row {
     }
 
     /// [`each`](Self::each) for the commonest case, which needs no f64.
-    fn each_short(&self, bytes: &[u8], out: &mut [f32], value: impl Fn(u16) -> i32) {
+    fn each_short(&self, bytes: &mut [u8], out: &mut [f32], value: impl Fn(u16) -> i32) {
         if self.scale.is_some() || self.bands != 1 {
             return self.each(bytes, out, |bits| f64::from(value(bits)));
         }
@@ -143,18 +145,20 @@ impl Row {
             let value = value(bits);
             if value == nodata { f32::NAN } else { value as f32 }
         };
-        let pairs = out.iter_mut().zip(bytes.as_chunks::<2>().0);
-        match (self.predictor == 2, self.big_endian) {
-            (false, false) => pairs.for_each(|(out, &pair)| *out = height(u16::from_le_bytes(pair))),
-            (false, true) => pairs.for_each(|(out, &pair)| *out = height(u16::from_be_bytes(pair))),
-            (true, big_endian) => {
-                let mut sum = 0u16;
-                for (out, &pair) in pairs {
-                    let step = u16::from_le_bytes(pair);
-                    sum = sum.wrapping_add(if big_endian { step.swap_bytes() } else { step });
-                    *out = height(sum);
-                }
+        if self.predictor == 2 {
+            // Sums wait for each other; what is made of them need not.
+            let mut sum = 0u16;
+            for pair in bytes.as_chunks_mut::<2>().0 {
+                let step = u16::from_le_bytes(*pair);
+                sum = sum.wrapping_add(if self.big_endian { step.swap_bytes() } else { step });
+                *pair = sum.to_le_bytes();
             }
+        }
+        let pairs = out.iter_mut().zip(bytes.as_chunks::<2>().0);
+        if self.big_endian && self.predictor != 2 {
+            pairs.for_each(|(out, &pair)| *out = height(u16::from_be_bytes(pair)));
+        } else {
+            pairs.for_each(|(out, &pair)| *out = height(u16::from_le_bytes(pair)));
         }
     }
 
@@ -215,19 +219,28 @@ impl Row {
         }
     }
 
+    /// Whether a row may hold an infinite height: whole numbers as they are hold none.
+    pub(super) fn may_be_infinite(&self) -> bool {
+        self.is_float() || self.scale.is_some()
+    }
+
     fn is_float(&self) -> bool {
         matches!(self.encoding, Encoding::F32 | Encoding::F64)
     }
 }
 
-/// Appends the samples of a row as differences of integers (predictor 2).
-pub(super) fn differences<B: Bits>(samples: &[B], out: &mut Vec<u8>) {
+/// Turns the samples of a row into differences of neighbours (predictor 2).
+pub(super) fn difference<B: Bits>(samples: &mut [B]) {
     let mut before = B::default();
-    out.reserve(size_of_val(samples));
-    for &sample in samples {
-        sample.minus(before).add_to(out);
-        before = sample;
+    for sample in samples {
+        (*sample, before) = (sample.minus(before), *sample);
     }
+}
+
+/// Appends the samples of a row as they are, the least significant byte of each first.
+pub(super) fn plain<B: Bits>(samples: &mut [B], out: &mut Vec<u8>) {
+    samples.iter_mut().for_each(|sample| *sample = sample.little_endian());
+    out.extend_from_slice(bytemuck::cast_slice(samples));
 }
 
 /// Appends the samples of a row, the bits of floating-point numbers, with their bytes sorted and differenced (predictor 3).

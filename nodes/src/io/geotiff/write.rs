@@ -80,8 +80,9 @@ impl Default for Options {
 /// Sides of a tile, and about how many bytes a strip should have.
 const TILE: usize = 256;
 const STRIP_BYTES: usize = 1 << 18;
-/// Chunks packed before the next are begun; bounds the memory for packed bytes.
-const BATCH: usize = 64;
+/// Chunks that each thread packs before the next are begun; bounds the memory for packed bytes. A few, so that it stays
+/// close at hand and is used again.
+const BATCH: usize = 8;
 /// A classic file's offsets end at 4 GiB; this leaves room for the tags and for what does not compress.
 const CLASSIC_LIMIT: u64 = 4_000_000_000;
 
@@ -287,7 +288,7 @@ impl<W: Write + Seek, C: Cells> Writer<W, C> {
         let across = self.image.grid.cols.div_ceil(self.image.chunk.1);
         let chunks: Vec<usize> = (0..lines.len().div_ceil(self.image.chunk.0) * across).collect();
         let done = job.stage(chunks.len() as u64);
-        for batch in chunks.chunks(BATCH) {
+        for batch in chunks.chunks(BATCH * rayon::current_num_threads()) {
             let (image, written) = (&self.image, self.written);
             let pack = |&index: &usize| {
                 job.check()?;
