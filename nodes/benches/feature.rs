@@ -13,7 +13,8 @@ use orograph_nodes::feature::{
 };
 
 fn main() {
-    divan::main();
+    // On a thread of the pool, as an evaluation runs nodes; from outside, each parallel step would wake one first.
+    rayon::scope(|_| divan::main());
 }
 
 /// A bright cross with a ring around it.

@@ -176,5 +176,6 @@ fn copy(bencher: Bencher<'_, '_>, side: usize) {
 }
 
 fn main() {
-    divan::main();
+    // On a thread of the pool, as an evaluation runs nodes; from outside, each parallel step would wake one first.
+    rayon::scope(|_| divan::main());
 }

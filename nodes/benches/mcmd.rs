@@ -11,7 +11,8 @@ use orograph_nodes::mcmd::{
 };
 
 fn main() {
-    divan::main();
+    // On a thread of the pool, as an evaluation runs nodes; from outside, each parallel step would wake one first.
+    rayon::scope(|_| divan::main());
 }
 
 /// The share of samples that the paper keeps.

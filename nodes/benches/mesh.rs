@@ -10,7 +10,8 @@ use orograph_core::{Job, Node};
 use orograph_nodes::mesh::triangulate::{Method, Triangulate, TriangulateIn};
 
 fn main() {
-    divan::main();
+    // On a thread of the pool, as an evaluation runs nodes; from outside, each parallel step would wake one first.
+    rayon::scope(|_| divan::main());
 }
 
 #[divan::bench(args = [(513, 1.0), (1025, 1.0), (2049, 1.0), (4097, 1.0), (1025, 10.0), (4097, 10.0)], sample_count = 3)]

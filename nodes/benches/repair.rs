@@ -12,7 +12,8 @@ use orograph_nodes::repair::{
 };
 
 fn main() {
-    divan::main();
+    // On a thread of the pool, as an evaluation runs nodes; from outside, each parallel step would wake one first.
+    rayon::scope(|_| divan::main());
 }
 
 /// Discs of 10 to 100 cells across, about so many cells in all.

@@ -21,7 +21,8 @@ use orograph_nodes::{
 };
 
 fn main() {
-    divan::main();
+    // On a thread of the pool, as an evaluation runs nodes; from outside, each parallel step would wake one first.
+    rayon::scope(|_| divan::main());
 }
 
 /// Fractal noise of value lattices, 10 m cells.

@@ -10,7 +10,7 @@ use pulp::Arch;
 use super::{
     masked::Cell,
     multigrid::{Levels, diagonal_of},
-    rows::{Apply, Subtract, dot, each, greatest},
+    rows::{Apply, Scaled, Subtract, Turn, dot, each, each_two, greatest},
 };
 
 /// A solution is taken when the next correction is nowhere larger, in metres; the error is of that size then.
@@ -51,18 +51,19 @@ impl Iteration {
         let mut largest = greatest(self.rest.iter().map(|rest| rest.abs()));
         let start = largest;
         let (mut last, mut accuracy) = (0.0, ACCURACY);
+        // How far the solution is to go along before the way turns.
+        let mut length = 0.0;
         for step in 0..MAX_STEPS {
             job.check()?;
             if largest == 0.0 {
+                self.go(&along, length, 0.0);
                 return Ok((self.solution, step));
             }
             // In single precision whatever the scale.
             let (rest, scale) = (&self.rest, 1.0 / largest);
             self.levels.precondition(|right| {
-                each(right, stride, |start, right| {
-                    for (right, rest) in right.iter_mut().zip(&rest[start..]) {
-                        *right = (rest * scale) as f32;
-                    }
+                each(right, stride, |start, out| {
+                    arch.dispatch(Scaled { rest: &rest[start..], scale, out });
                 });
             });
             let corrected = self.levels.correction();
@@ -71,34 +72,36 @@ impl Iteration {
             let most = greatest(judged.iter().map(|judged| judged.1)) * largest;
             accuracy = if step == 0 { accuracy.max(RELATIVE * most) } else { accuracy };
             if most <= accuracy {
-                each(&mut self.solution, stride, |start, x| {
-                    for (x, z) in x.iter_mut().zip(&corrected[start..]) {
-                        *x += f64::from(*z) * largest;
-                    }
-                });
+                self.go(&along, length, largest);
                 return Ok((self.solution, step));
             }
             let share = if step == 0 { 0.0 } else { product / last };
             last = product;
-            each(&mut along, stride, |start, along| {
-                for (along, z) in along.iter_mut().zip(&corrected[start..]) {
-                    *along = f64::from(*z) * largest + share * *along;
-                }
+            each_two((&mut along, &mut self.solution), stride, |start, along, solution| {
+                let correction = &corrected[start..];
+                arch.dispatch(Turn { along, solution, length, correction, largest, share });
             });
             let curvature: f64 = self.apply(&along, &mut image).into_iter().sum();
             if curvature.is_nan() || curvature <= 0.0 {
                 break;
             }
-            let length = product / curvature;
-            each(&mut self.solution, stride, |start, x| {
-                x.iter_mut().zip(&along[start..]).for_each(|(x, p)| *x += length * p);
-            });
+            length = product / curvature;
             largest = greatest(each(&mut self.rest, stride, |start, rest| {
                 let image = &image[start..start + rest.len()];
                 arch.dispatch(Subtract { rest, image, length })
             }));
         }
         Err(Error::NotConverged { steps: MAX_STEPS as u64, residual: largest / start })
+    }
+
+    /// Lets the solution go `length` along, and then by what was last corrected.
+    fn go(&mut self, along: &[f64], length: f64, correction: f64) {
+        let corrected = self.levels.correction();
+        each(&mut self.solution, self.stride, |start, x| {
+            for ((x, along), z) in x.iter_mut().zip(&along[start..]).zip(&corrected[start..]) {
+                *x = *x + length * along + f64::from(*z) * correction;
+            }
+        });
     }
 
     /// The matrix times `x`, and the scalar products of both by lots of rows.

@@ -5,7 +5,7 @@
 
 use orograph_core::prelude::*;
 
-use super::iteration::Iteration;
+use super::{floating::floating_parts, iteration::Iteration};
 
 /// What a cell is to the equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -66,12 +66,8 @@ pub fn solve_held(domain: &Domain<'_>, holds: &[f64], b: &[f64], job: &Job<'_>) 
     }
     let Some(part) = Part::of(cols, cells) else { return Ok(vec![0.0; n]) };
     let mut framed = part.framed(cells, Cell::Outside);
-    let right: Vec<f64> = part
-        .framed(b, 0.0)
-        .iter()
-        .zip(&framed)
-        .map(|(&b, &cell)| if cell == Cell::Free { b } else { 0.0 })
-        .collect();
+    let mut right = part.framed(b, 0.0);
+    right.iter_mut().zip(&framed).filter(|(_, cell)| **cell != Cell::Free).for_each(|(b, _)| *b = 0.0);
     let holds = if holds.is_empty() { Vec::new() } else { part.framed(holds, 0.0) };
     let floating = floating_parts(part.cols + 2, &framed, &holds, &right);
     for cells in &floating {
@@ -134,45 +130,6 @@ impl Part {
         }
         out
     }
-}
-
-/// Connected parts of free cells that touch no fixed cell, are held nowhere, and whose right side is not zero throughout.
-/// The arrays are framed.
-fn floating_parts(stride: usize, cells: &[Cell], holds: &[f64], b: &[f64]) -> Vec<Vec<usize>> {
-    let mut seen = vec![false; cells.len()];
-    let mut parts = Vec::new();
-    let mut part: Vec<u32> = Vec::new();
-    for first in 0..cells.len() {
-        if seen[first] || cells[first] != Cell::Free {
-            continue;
-        }
-        let (mut anchored, mut driven, mut next) = (false, false, 0);
-        seen[first] = true;
-        part.clear();
-        part.push(first as u32);
-        while let Some(&i) = part.get(next) {
-            next += 1;
-            let i = i as usize;
-            driven |= b[i] != 0.0;
-            anchored |= holds.get(i).is_some_and(|&hold| hold > 0.0);
-            for j in [i - 1, i - stride, i + 1, i + stride] {
-                match cells[j] {
-                    Cell::Free if !seen[j] => {
-                        seen[j] = true;
-                        part.push(j as u32);
-                    }
-                    Cell::Fixed => anchored = true,
-                    _ => {}
-                }
-            }
-        }
-        if !anchored && driven {
-            let mut part: Vec<usize> = part.iter().map(|&i| i as usize).collect();
-            part.sort_unstable();
-            parts.push(part);
-        }
-    }
-    parts
 }
 
 #[cfg(test)]
@@ -255,6 +212,52 @@ mod tests {
         let (cells, b) = (part.framed(&cells, Cell::Outside), part.framed(&b, 0.0));
         let (_, steps) = Iteration::new(side, &cells, &[], b, [1.0; 2]).run(&Job::detached()).unwrap();
         assert!(steps <= 15, "{steps}");
+    }
+
+    #[test]
+    fn floating_parts_are_those_that_a_flood_finds() {
+        for seed in 0..60 {
+            let (rows, cols) = (11, 13);
+            let draw = |stream: u64, i: usize| signed_unit(key(seed, stream, i as i64, 0));
+            let cells: Vec<Cell> = (0..rows * cols)
+                .map(|i| match draw(1, i) {
+                    u if u < 0.15 => Cell::Free,
+                    u if u < 0.97 => Cell::Outside,
+                    _ => Cell::Fixed,
+                })
+                .collect();
+            let some = |stream: u64, i: usize| if draw(stream, i) > 0.9 { 1.0 } else { 0.0 };
+            let b: Vec<f64> = (0..rows * cols).map(|i| some(2, i)).collect();
+            let holds: Vec<f64> = (0..rows * cols).map(|i| some(3, i) * some(4, i)).collect();
+            let mut found = Vec::new();
+            let mut seen = vec![false; rows * cols];
+            for first in 0..rows * cols {
+                let (mut part, mut next, mut anchored) = (vec![first], 0, false);
+                if cells[first] != Cell::Free || std::mem::replace(&mut seen[first], true) {
+                    continue;
+                }
+                while let Some(&i) = part.get(next) {
+                    next += 1;
+                    let near = [
+                        (i % cols > 0).then(|| i - 1),
+                        (i % cols + 1 < cols).then(|| i + 1),
+                        i.checked_sub(cols),
+                        (i + cols < rows * cols).then(|| i + cols),
+                    ];
+                    for j in near.into_iter().flatten() {
+                        anchored |= cells[j] == Cell::Fixed;
+                        if cells[j] == Cell::Free && !std::mem::replace(&mut seen[j], true) {
+                            part.push(j);
+                        }
+                    }
+                }
+                part.sort_unstable();
+                if !anchored && part.iter().any(|&i| b[i] != 0.0) && part.iter().all(|&i| holds[i] == 0.0) {
+                    found.push(part);
+                }
+            }
+            assert_eq!(floating(cols, &cells, &holds, &b), found, "{seed}");
+        }
     }
 
     #[test]

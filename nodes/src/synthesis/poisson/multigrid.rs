@@ -5,12 +5,18 @@
 //! level is smoothed by two Jacobi sweeps with Chebyshev's weights before and, in reverse, after, which rows can do
 //! in parallel and without branches: values are 0 wherever a cell is not free. A guess needs no more than single
 //! precision; what it misses the next one finds.
+//!
+//! Memory is what a cycle waits for. So all that is done on a level on the way down goes through its rows once, each step a
+//! row behind the one before ([`Descent`]), and so does all on the way up ([`Ascent`]).
 
-use std::ops::Range;
+use pulp::{Arch, NullaryFnOnce};
+use rayon::prelude::*;
 
 use super::{
     masked::Cell,
-    rows::{Kernel, fill},
+    rolling::Rolling,
+    rows::{PARALLEL, made},
+    stencil::{Line, Stencil, gather, spread},
 };
 
 /// Weights of the two sweeps, the zeros of Chebyshev's polynomial on the upper three quarters of the spectrum (0, 2).
@@ -70,28 +76,12 @@ impl Levels {
         let last = self.levels.len() - 1;
         for k in 0..last {
             let (fine, coarse) = self.levels.split_at_mut(k + 1);
-            let (fine, coarse) = (&mut fine[k], &mut coarse[0]);
-            fine.start(SWEEPS[0]);
-            fine.sweep(SWEEPS[1]);
-            fine.residual();
-            fine.gather(coarse);
+            fine[k].descend(&mut coarse[0]);
         }
-        let coarsest = &mut self.levels[last];
-        coarsest.start(SWEEPS[0]);
-        coarsest.sweep(SWEEPS[1]);
-        for i in 0..COARSEST_SWEEPS {
-            // There and back, so that the whole stays symmetric.
-            let weight = if i < COARSEST_SWEEPS / 2 { i % 2 } else { 1 - i % 2 };
-            coarsest.sweep(SWEEPS[weight]);
-        }
-        coarsest.sweep(SWEEPS[1]);
-        coarsest.sweep(SWEEPS[0]);
+        self.levels[last].settle();
         for k in (0..last).rev() {
             let (fine, coarse) = self.levels.split_at_mut(k + 1);
-            let fine = &mut fine[k];
-            fine.spread(&coarse[0]);
-            fine.sweep(SWEEPS[1]);
-            fine.sweep(SWEEPS[0]);
+            fine[k].ascend(&coarse[0]);
         }
     }
 }
@@ -101,11 +91,14 @@ pub(super) fn diagonal_of(cols: usize, framed: &[Cell], holds: &[f64], [across, 
     let stride = cols + 2;
     let flows = |j: usize, weight: f64| if framed[j] == Cell::Outside { 0.0 } else { weight };
     let at = |i: usize| {
+        if framed[i] != Cell::Free {
+            return 0.0;
+        }
         let near =
             flows(i - 1, across) + flows(i + 1, across) + flows(i - stride, down) + flows(i + stride, down);
         near + holds.get(i).copied().unwrap_or(0.0)
     };
-    framed.iter().enumerate().map(|(i, &cell)| if cell == Cell::Free { at(i) } else { 0.0 }).collect()
+    made(framed.len(), at)
 }
 
 fn coarser(rows: usize, cols: usize, framed: &[Cell]) -> Vec<Cell> {
@@ -143,192 +136,219 @@ fn gathered(cols: usize, holds: &[f64]) -> Vec<f64> {
     out
 }
 
-/// The four neighbours' values along a stretch of a row.
-struct Near<'a> {
-    west: &'a [f32],
-    north: &'a [f32],
-    east: &'a [f32],
-    south: &'a [f32],
-}
-
-impl<'a> Near<'a> {
-    #[inline(always)]
-    fn new(x: &'a [f32], range: &Range<usize>, stride: usize) -> Self {
-        let shifted = |start: usize| &x[start..start + range.len()];
-        Self {
-            west: shifted(range.start - 1),
-            north: shifted(range.start - stride),
-            east: shifted(range.start + 1),
-            south: shifted(range.start + stride),
-        }
-    }
-
-    #[inline(always)]
-    fn sum(&self, k: usize, [across, down]: [f32; 2]) -> f32 {
-        across * (self.west[k] + self.east[k]) + down * (self.north[k] + self.south[k])
-    }
-}
-
-/// The first sweep, from zero.
-struct Start<'a>(&'a Level, f32);
-
-impl Kernel for Start<'_> {
-    #[inline(always)]
-    fn run(&self, range: Range<usize>, out: &mut [f32]) {
-        let (inverse, right) = (&self.0.inverse[range.clone()], &self.0.right[range]);
-        for ((out, inverse), b) in out.iter_mut().zip(inverse).zip(right) {
-            *out = self.1 * inverse * b;
-        }
-    }
-}
-
-/// A sweep. Cells that are not free stay 0.
-struct Sweep<'a>(&'a Level, f32);
-
-impl Kernel for Sweep<'_> {
-    #[inline(always)]
-    fn run(&self, range: Range<usize>, out: &mut [f32]) {
-        let Level { cols, weights, .. } = *self.0;
-        let near = Near::new(&self.0.value, &range, cols + 2);
-        let (inverse, right) = (&self.0.inverse[range.clone()], &self.0.right[range.clone()]);
-        let (value, n) = (&self.0.value[range], out.len());
-        let (inverse, right, value) = (&inverse[..n], &right[..n], &value[..n]);
-        for (k, out) in out.iter_mut().enumerate() {
-            let exact = (right[k] + near.sum(k, weights)) * inverse[k];
-            *out = value[k] + self.1 * (exact - value[k]);
-        }
-    }
-}
-
-/// What is left of the right side.
-struct Residual<'a>(&'a Level);
-
-impl Kernel for Residual<'_> {
-    #[inline(always)]
-    fn run(&self, range: Range<usize>, out: &mut [f32]) {
-        let Level { cols, weights, .. } = *self.0;
-        let near = Near::new(&self.0.value, &range, cols + 2);
-        let (diagonal, right) = (&self.0.diagonal[range.clone()], &self.0.right[range.clone()]);
-        let (value, n) = (&self.0.value[range], out.len());
-        let (diagonal, right, value) = (&diagonal[..n], &right[..n], &value[..n]);
-        for (k, out) in out.iter_mut().enumerate() {
-            let rest = right[k] - diagonal[k] * value[k] + near.sum(k, weights);
-            *out = if diagonal[k] == 0.0 { 0.0 } else { rest };
-        }
-    }
-}
-
-/// The finer level's residual, gathered as the coarser one's right side: the transpose of [`Spread`].
-struct Gather<'a> {
-    fine: &'a Level,
-    coarse_stride: usize,
-}
-
-impl Kernel for Gather<'_> {
-    const BY_ROW: bool = true;
-
-    #[inline(always)]
-    fn run(&self, range: Range<usize>, out: &mut [f32]) {
-        let stride = self.fine.cols + 2;
-        let coarse_row = range.start / self.coarse_stride - 1;
-        out.fill(0.0);
-        for (i, down) in [0.25, 0.75, 0.75, 0.25].into_iter().enumerate() {
-            // Rows 2r - 1 to 2r + 2 of the finer level, in the frame's count one more.
-            let row = 2 * coarse_row + i;
-            if row > self.fine.rows + 1 {
-                continue;
-            }
-            let rest = &self.fine.spare[row * stride..(row + 1) * stride];
-            let gathered = |k: usize, last: f32| {
-                down * (0.25 * (rest[2 * k] + last) + 0.75 * (rest[2 * k + 1] + rest[2 * k + 2]))
-            };
-            // The last cell of an odd row has no cell beyond the frame.
-            let whole = (stride - 2) / 2;
-            for (k, out) in out.iter_mut().enumerate().take(whole) {
-                *out += gathered(k, rest[2 * k + 3]);
-            }
-            for (k, out) in out.iter_mut().enumerate().skip(whole) {
-                *out += gathered(k, 0.0);
-            }
-        }
-    }
-}
-
-/// This level's values with the coarser one's added, bilinearly.
-struct Spread<'a> {
-    fine: &'a Level,
-    coarse: &'a Level,
-}
-
-impl Kernel for Spread<'_> {
-    const BY_ROW: bool = true;
-
-    #[inline(always)]
-    fn run(&self, range: Range<usize>, out: &mut [f32]) {
-        let (stride, coarse_stride) = (self.fine.cols + 2, self.coarse.cols + 2);
-        let row = range.start / stride - 1;
-        // A cell lies a quarter of a coarse cell off the centre of its own, towards the row or column before or after.
-        let own = row / 2 + 1;
-        let other = if row.is_multiple_of(2) { own - 1 } else { own + 1 };
-        let near = &self.coarse.value[own * coarse_stride..(own + 1) * coarse_stride];
-        let far = &self.coarse.value[other * coarse_stride..(other + 1) * coarse_stride];
-        let blend = |k: usize| 0.75 * near[k] + 0.25 * far[k];
-        let free = &self.fine.inverse[range.clone()];
-        let value = &self.fine.value[range];
-        for (k, out) in out.chunks_mut(2).enumerate() {
-            let (before, own, after) = (blend(k), blend(k + 1), blend(k + 2));
-            let moved = [0.75 * own + 0.25 * before, 0.75 * own + 0.25 * after];
-            for (i, out) in out.iter_mut().enumerate() {
-                let moved = if free[2 * k + i] == 0.0 { 0.0 } else { moved[i] };
-                *out = value[2 * k + i] + moved;
-            }
-        }
-    }
-}
+/// Rows of the coarser level that are made together on the way down, and half the rows that are on the way up.
+const LOT: usize = 16;
 
 impl Level {
     fn new(rows: usize, cols: usize, diagonal: &[f64], weights: [f64; 2]) -> Self {
-        let inverse = diagonal.iter().map(|&d| if d > 0.0 { (1.0 / d) as f32 } else { 0.0 }).collect();
+        let inverse = |diagonal: f64| if diagonal > 0.0 { (1.0 / diagonal) as f32 } else { 0.0 };
         let zeros = || vec![0.0; diagonal.len()];
         Self {
             rows,
             cols,
             weights: weights.map(|weight| weight as f32),
-            diagonal: diagonal.iter().map(|&d| d as f32).collect(),
-            inverse,
+            diagonal: made(diagonal.len(), |i| diagonal[i] as f32),
+            inverse: made(diagonal.len(), |i| inverse(diagonal[i])),
             value: zeros(),
             spare: zeros(),
             right: zeros(),
         }
     }
 
+    fn stride(&self) -> usize {
+        self.cols + 2
+    }
+
+    /// A row of what does not change in a cycle, counted with the frame.
+    fn line(&self, row: usize) -> Line<'_> {
+        let range = row * self.stride()..(row + 1) * self.stride();
+        Line {
+            diagonal: &self.diagonal[range.clone()],
+            inverse: &self.inverse[range.clone()],
+            right: &self.right[range],
+        }
+    }
+
+    /// Two sweeps from zero, and what they leave of the right side as that of the coarser level.
+    fn descend(&mut self, coarse: &mut Self) {
+        let (stride, coarse_stride, arch) = (self.stride(), coarse.stride(), Arch::new());
+        let (mut value, mut gathered) = (std::mem::take(&mut self.value), std::mem::take(&mut coarse.right));
+        let inner = stride..value.len() - stride;
+        let coarse_inner = coarse_stride..gathered.len() - coarse_stride;
+        let (value_lot, gathered_lot) = (2 * LOT * stride, LOT * coarse_stride);
+        let lot = |(i, (value, gathered)): (usize, (&mut [f32], &mut [f32]))| {
+            arch.dispatch(Descent { level: self, first: 2 * LOT * i + 1, value, gathered });
+        };
+        if value.len() < PARALLEL {
+            value[inner]
+                .chunks_mut(value_lot)
+                .zip(gathered[coarse_inner].chunks_mut(gathered_lot))
+                .enumerate()
+                .for_each(lot);
+        } else {
+            value[inner]
+                .par_chunks_mut(value_lot)
+                .zip(gathered[coarse_inner].par_chunks_mut(gathered_lot))
+                .enumerate()
+                .for_each(lot);
+        }
+        (self.value, coarse.right) = (value, gathered);
+    }
+
+    /// The coarser level's values added, and two sweeps.
+    fn ascend(&mut self, coarse: &Self) {
+        let (stride, arch) = (self.stride(), Arch::new());
+        let mut next = std::mem::take(&mut self.spare);
+        let inner = stride..next.len() - stride;
+        let lot = |(i, next): (usize, &mut [f32])| {
+            arch.dispatch(Ascent { level: self, coarse, first: 2 * LOT * i + 1, next });
+        };
+        if next.len() < PARALLEL {
+            next[inner].chunks_mut(2 * LOT * stride).enumerate().for_each(lot);
+        } else {
+            next[inner].par_chunks_mut(2 * LOT * stride).enumerate().for_each(lot);
+        }
+        self.spare = std::mem::replace(&mut self.value, next);
+    }
+
+    /// As many sweeps from zero as the coarsest level takes, there and back, so that the whole stays symmetric.
+    fn settle(&mut self) {
+        let there = (0..COARSEST_SWEEPS).map(|i| if i < COARSEST_SWEEPS / 2 { i % 2 } else { 1 - i % 2 });
+        let all = std::iter::once(1).chain(there).chain([1, 0]);
+        self.start(SWEEPS[0]);
+        all.for_each(|which| self.sweep(SWEEPS[which]));
+    }
+
     fn start(&mut self, weight: f32) {
-        let mut value = std::mem::take(&mut self.value);
-        fill(&mut value, self.cols, &Start(self, weight));
+        let (stride, mut value) = (self.stride(), std::mem::take(&mut self.value));
+        for row in 1..=self.rows {
+            self.line(row).start(weight, &mut value[row * stride..][..stride]);
+        }
         self.value = value;
     }
 
     fn sweep(&mut self, weight: f32) {
-        let mut next = std::mem::take(&mut self.spare);
-        fill(&mut next, self.cols, &Sweep(self, weight));
+        let (stride, mut next) = (self.stride(), std::mem::take(&mut self.spare));
+        for row in 1..=self.rows {
+            let near = [row - 1, row, row + 1].map(|row| &self.value[row * stride..][..stride]);
+            let stencil = Stencil { near, weights: self.weights };
+            stencil.sweep(weight, &self.line(row), &mut next[row * stride..][..stride]);
+        }
         self.spare = std::mem::replace(&mut self.value, next);
     }
+}
 
-    /// Into `spare`.
-    fn residual(&mut self) {
-        let mut rest = std::mem::take(&mut self.spare);
-        fill(&mut rest, self.cols, &Residual(self));
-        self.spare = rest;
+/// The way down through some rows of a level.
+struct Descent<'a> {
+    level: &'a Level,
+    /// The first of the rows, an odd one as the frame counts.
+    first: usize,
+    /// Their values after two sweeps.
+    value: &'a mut [f32],
+    /// The right side of the coarser rows over them.
+    gathered: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Descent<'_> {
+    type Output = ();
+
+    /// Rows beyond the lot that its own ones look at are made here, too, which costs less than to wait for other lots.
+    #[inline(always)]
+    fn call(self) {
+        let Self { level, first, value, gathered } = self;
+        let stride = level.stride();
+        let rows = value.len() / stride;
+        let coarse_stride = level.cols.div_ceil(2) + 2;
+        let within = |row: usize| (1..=level.rows).contains(&row);
+        let mut started = Rolling::<3>::new(stride);
+        let mut swept = Rolling::<3>::new(stride);
+        let mut rest = Rolling::<4>::new(stride);
+        let last = first + 2 * (gathered.len() / coarse_stride);
+        // Three rows before the first one is the earliest that matters; none lies before the frame.
+        for row in first.saturating_sub(3)..=last + 2 {
+            match started.row(row) {
+                out if within(row) => level.line(row).start(SWEEPS[0], out),
+                out => out.fill(0.0),
+            }
+            let Some(row) = row.checked_sub(1) else { continue };
+            match swept.row(row) {
+                out if within(row) => {
+                    let stencil = Stencil { near: started.around(row), weights: level.weights };
+                    stencil.sweep(SWEEPS[1], &level.line(row), out);
+                    if (first..first + rows).contains(&row) {
+                        value[(row - first) * stride..][..stride].copy_from_slice(out);
+                    }
+                }
+                out => out.fill(0.0),
+            }
+            let Some(row) = row.checked_sub(1) else { continue };
+            match rest.row(row) {
+                out if within(row) => {
+                    let stencil = Stencil { near: swept.around(row), weights: level.weights };
+                    stencil.residual(&level.line(row), out);
+                }
+                out => out.fill(0.0),
+            }
+            // A coarse row over this one and the one before gathers from one more on either side.
+            if row >= first + 2 && (row - first).is_multiple_of(2) {
+                let out = &mut gathered[((row - first) / 2 - 1) * coarse_stride..][..coarse_stride];
+                let four = [rest.made(row - 3), rest.made(row - 2), rest.made(row - 1), rest.made(row)];
+                gather(four, out);
+            }
+        }
     }
+}
 
-    fn gather(&self, coarse: &mut Self) {
-        let (cols, coarse_stride) = (coarse.cols, coarse.cols + 2);
-        fill(&mut coarse.right, cols, &Gather { fine: self, coarse_stride });
-    }
+/// The way up through some rows of a level.
+struct Ascent<'a> {
+    level: &'a Level,
+    coarse: &'a Level,
+    /// The first of the rows, as the frame counts.
+    first: usize,
+    next: &'a mut [f32],
+}
 
-    fn spread(&mut self, coarse: &Self) {
-        let mut next = std::mem::take(&mut self.spare);
-        fill(&mut next, self.cols, &Spread { fine: self, coarse });
-        self.spare = std::mem::replace(&mut self.value, next);
+impl NullaryFnOnce for Ascent<'_> {
+    type Output = ();
+
+    /// As on the way down.
+    #[inline(always)]
+    fn call(self) {
+        let Self { level, coarse, first, next } = self;
+        let (stride, coarse_stride) = (level.stride(), coarse.stride());
+        let rows = next.len() / stride;
+        let within = |row: usize| (1..=level.rows).contains(&row);
+        let mut lifted = Rolling::<3>::new(stride);
+        let mut swept = Rolling::<3>::new(stride);
+        let mut blend = vec![0.0; coarse_stride];
+        for row in first.saturating_sub(2)..first + rows + 2 {
+            match lifted.row(row) {
+                out if within(row) => {
+                    // A row lies a quarter of a coarse one off the middle of its own, towards the one before or after.
+                    let own = row.div_ceil(2);
+                    let other = if row.is_multiple_of(2) { own + 1 } else { own - 1 };
+                    let [own, other] =
+                        [own, other].map(|row| &coarse.value[row * coarse_stride..][..coarse_stride]);
+                    for ((blend, own), other) in blend.iter_mut().zip(own).zip(other) {
+                        *blend = 0.75 * own + 0.25 * other;
+                    }
+                    let free = level.line(row).inverse;
+                    spread(&blend, free, &level.value[row * stride..][..stride], out);
+                }
+                out => out.fill(0.0),
+            }
+            let Some(row) = row.checked_sub(1) else { continue };
+            match swept.row(row) {
+                out if within(row) => {
+                    let stencil = Stencil { near: lifted.around(row), weights: level.weights };
+                    stencil.sweep(SWEEPS[1], &level.line(row), out);
+                }
+                out => out.fill(0.0),
+            }
+            let Some(row) = row.checked_sub(1).filter(|row| *row >= first) else { continue };
+            let stencil = Stencil { near: swept.around(row), weights: level.weights };
+            let out = &mut next[(row - first) * stride..][..stride];
+            stencil.sweep(SWEEPS[0], &level.line(row), out);
+        }
     }
 }

@@ -1,55 +1,13 @@
 //! Work on framed arrays, some rows at a time: several lots at once where that pays, each in the widest registers there
 //! are. Frames are worked on like cells that are not free, as breaks at every row cost more.
 
-use std::ops::Range;
-
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
 /// Values in an array from which lots of rows are worked on in parallel.
-const PARALLEL: usize = 1 << 16;
+pub(super) const PARALLEL: usize = 1 << 16;
 /// Rows of a lot. A number of its own, so that no sum depends on that of threads.
 const ROWS: usize = 16;
-
-/// Makes the values that lie at `range` of a framed array.
-pub(super) trait Kernel: Sync {
-    /// Whether it needs to be given rows one by one, without their frame.
-    const BY_ROW: bool = false;
-
-    fn run(&self, range: Range<usize>, out: &mut [f32]);
-}
-
-struct Lot<'a, K> {
-    kernel: &'a K,
-    cols: usize,
-    start: usize,
-    out: &'a mut [f32],
-}
-
-impl<K: Kernel> NullaryFnOnce for Lot<'_, K> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        let Self { kernel, cols, start, out } = self;
-        if !K::BY_ROW {
-            return kernel.run(start..start + out.len(), out);
-        }
-        for (row, out) in out.chunks_mut(cols + 2).enumerate() {
-            let first = start + row * (cols + 2) + 1;
-            kernel.run(first..first + cols, &mut out[1..=cols]);
-        }
-    }
-}
-
-/// Makes all rows of an array with `cols` columns in its frame but the frame's own.
-pub(super) fn fill(out: &mut [f32], cols: usize, kernel: &impl Kernel) {
-    let (stride, arch) = (cols + 2, Arch::new());
-    let inner = stride..out.len() - stride;
-    each(&mut out[inner], stride, |start, out| {
-        arch.dispatch(Lot { kernel, cols, start: start + stride, out });
-    });
-}
 
 /// What `f` gives for each lot of rows, by where it starts, in order.
 pub(super) fn each<T: Send, R: Send>(
@@ -62,6 +20,75 @@ pub(super) fn each<T: Send, R: Send>(
         values.chunks_mut(lot).enumerate().map(|(i, values)| f(i * lot, values)).collect()
     } else {
         values.par_chunks_mut(lot).enumerate().map(|(i, values)| f(i * lot, values)).collect()
+    }
+}
+
+/// `n` values, made by where they lie.
+pub(super) fn made<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
+    if n < PARALLEL {
+        (0..n).map(f).collect()
+    } else {
+        (0..n).into_par_iter().with_min_len(PARALLEL / 4).map(f).collect()
+    }
+}
+
+/// [`each`] of two arrays side by side.
+pub(super) fn each_two<T: Send, U: Send>(
+    (values, others): (&mut [T], &mut [U]),
+    stride: usize,
+    f: impl Fn(usize, &mut [T], &mut [U]) + Sync,
+) {
+    let lot = ROWS * stride;
+    if values.len() < PARALLEL {
+        let lots = values.chunks_mut(lot).zip(others.chunks_mut(lot)).enumerate();
+        lots.for_each(|(i, (values, others))| f(i * lot, values, others));
+    } else {
+        let lots = values.par_chunks_mut(lot).zip(others.par_chunks_mut(lot)).enumerate();
+        lots.for_each(|(i, (values, others))| f(i * lot, values, others));
+    }
+}
+
+/// What is left, in single precision and as a share of its largest.
+pub(super) struct Scaled<'a> {
+    pub(super) rest: &'a [f64],
+    pub(super) scale: f64,
+    pub(super) out: &'a mut [f32],
+}
+
+impl NullaryFnOnce for Scaled<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (out, rest) in self.out.iter_mut().zip(self.rest) {
+            *out = (rest * self.scale) as f32;
+        }
+    }
+}
+
+/// The way that was found goes into the solution, and turns by a correction.
+pub(super) struct Turn<'a> {
+    pub(super) along: &'a mut [f64],
+    pub(super) solution: &'a mut [f64],
+    /// How far the solution goes along.
+    pub(super) length: f64,
+    pub(super) correction: &'a [f32],
+    /// What the correction is to be taken times.
+    pub(super) largest: f64,
+    /// How much of the way before stays.
+    pub(super) share: f64,
+}
+
+impl NullaryFnOnce for Turn<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { along, solution, length, correction, largest, share } = self;
+        for ((along, solution), correction) in along.iter_mut().zip(solution).zip(correction) {
+            *solution += length * *along;
+            *along = f64::from(*correction) * largest + share * *along;
+        }
     }
 }
 
@@ -146,11 +173,17 @@ impl NullaryFnOnce for Subtract<'_> {
     #[inline(always)]
     fn call(self) -> f64 {
         let mut most = [0.0; 8];
-        for (rest, image) in self.rest.chunks_mut(8).zip(self.image.chunks(8)) {
-            for ((rest, image), most) in rest.iter_mut().zip(image).zip(&mut most) {
-                *rest -= self.length * image;
-                *most = larger(*most, rest.abs());
+        let (rest, last) = self.rest.as_chunks_mut::<8>();
+        let (image, last_image) = self.image.as_chunks::<8>();
+        for (rest, image) in rest.iter_mut().zip(image) {
+            for lane in 0..8 {
+                rest[lane] -= self.length * image[lane];
+                most[lane] = larger(most[lane], rest[lane].abs());
             }
+        }
+        for (rest, image) in last.iter_mut().zip(last_image) {
+            *rest -= self.length * image;
+            most[0] = larger(most[0], rest.abs());
         }
         most.into_iter().fold(0.0, larger)
     }
