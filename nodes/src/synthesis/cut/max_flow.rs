@@ -102,14 +102,15 @@ pub fn min_cut(network: &Network<'_>, job: &Job<'_>) -> Result<MinCut> {
         let what = format!("a cut of {rows} × {cols} cells");
         return Err(Error::TooLarge { what, bytes, limit: u64::from(u32::MAX) });
     }
-    let mut search = Search::new(network, rows, cols);
-    job.check()?;
+    let mut search = Search::new(network, rows, cols, job)?;
     potential_flow::set(&mut search.cells, cols + 2, job)?;
     search.run(job)?;
-    job.check()?;
     let stride = cols + 2;
-    let side = |i: usize| search.cells[(i / cols + 1) * stride + i % cols + 1].tree == SOURCE;
-    let source_side: Vec<bool> = (0..rows * cols).map(side).collect();
+    let mut source_side = Vec::with_capacity(rows * cols);
+    for row in search.cells.chunks(stride).skip(1).take(rows) {
+        job.check()?;
+        source_side.extend(row[1..=cols].iter().map(|cell| cell.tree == SOURCE));
+    }
     let flow = across(network, &source_side);
     Ok(MinCut { source_side, flow })
 }
@@ -130,12 +131,15 @@ fn across(network: &Network<'_>, side: &[bool]) -> u64 {
 
 impl Search {
     /// The cells stand in a frame one cell wide that nothing flows into, so that every cell has four neighbours.
-    fn new(network: &Network<'_>, rows: usize, cols: usize) -> Self {
+    fn new(network: &Network<'_>, rows: usize, cols: usize, job: &Job<'_>) -> Result<Self> {
         let stride = cols + 2;
         let outside = Cell { rest: [0; 4], stamp: 0, distance: 0, tree: FREE, parent: NONE, active: false };
-        let mut cells = vec![outside; stride * (rows + 2)];
+        let mut cells = Vec::with_capacity(stride * (rows + 2));
         let mut active = VecDeque::new();
+        cells.resize(stride, outside);
         for row in 0..rows {
+            job.check()?;
+            cells.push(outside);
             for col in 0..cols {
                 let i = row * cols + col;
                 let rest = [
@@ -152,15 +156,16 @@ impl Search {
                 let parent = if tree == FREE { NONE } else { ROOT };
                 // A pin that nothing leaves has nothing to grow into.
                 let grows = tree != FREE && rest.iter().any(|&rest| rest > 0);
-                let at = (row + 1) * stride + col + 1;
                 if grows {
-                    active.push_back(at as u32);
+                    active.push_back(cells.len() as u32);
                 }
-                cells[at] = Cell { rest, tree, parent, active: grows, ..outside };
+                cells.push(Cell { rest, tree, parent, active: grows, ..outside });
             }
+            cells.push(outside);
         }
+        cells.resize(stride * (rows + 2), outside);
         let step = [-1, -(stride as isize), 1, stride as isize];
-        Self { cells, step, active, orphans: VecDeque::new(), clock: 0 }
+        Ok(Self { cells, step, active, orphans: VecDeque::new(), clock: 0 })
     }
 
     fn beside(&self, i: usize, direction: usize) -> usize {

@@ -107,11 +107,8 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
             }
         }
     };
-    job.check()?;
-    let right = overlap.map(|i, col| if col + 1 < cols { edge(i, i + 1) } else { f64::NAN });
-    job.check()?;
-    let down = overlap.map(|i, _| if i + cols < n { edge(i, i + cols) } else { f64::NAN });
-    job.check()?;
+    let right = overlap.map(job, |i, col| if col + 1 < cols { edge(i, i + 1) } else { f64::NAN })?;
+    let down = overlap.map(job, |i, _| if i + cols < n { edge(i, i + cols) } else { f64::NAN })?;
     let largest = right.iter().chain(&down).fold(0.0_f64, |most, &w| most.max(w));
     // 1024ths of a metre, or coarser for mismatches that no terrain has; one more prefers short cuts.
     let scale = (MAX_CAPACITY / largest).min(1024.0);
@@ -123,19 +120,21 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
     };
     let capacities = |weights: &[f64]| -> Vec<u32> { weights.iter().map(capacity).collect() };
     job.check()?;
-    let pins = overlap.map(|i, col| if both(i) { pin(overlay, i, col) } else { Pin::Free });
+    let pins = overlap.map(job, |i, col| if both(i) { pin(overlay, i, col) } else { Pin::Free })?;
+    let (right_capacities, down_capacities) = (capacities(&right), capacities(&down));
+    job.check()?;
     let network =
-        Network { cols: overlap.cols, right: &capacities(&right), down: &capacities(&down), pins: &pins };
+        Network { cols: overlap.cols, right: &right_capacities, down: &down_capacities, pins: &pins };
     // Without old cells to keep the cut is nowhere and all is new; the flow's labels say just that.
     let old_side = min_cut(&network, job)?.source_side;
     job.check()?;
     let (has_old, has_new) = (pins.contains(&Pin::Source), pins.contains(&Pin::Sink));
     let is_new = |old_side: bool| has_new && !old_side || !has_old;
     let mut sides = old_side.iter();
-    overlap.map(|i, _| {
+    overlap.map(job, |i, _| {
         let old_side = sides.next().is_some_and(|&side| side);
         found.new[i] = if both(i) { is_new(old_side) } else { found.new[i] };
-    });
+    })?;
     job.check()?;
     for (weights, step) in [(&right, 1), (&down, overlap.cols)] {
         for (i, &weight) in weights.iter().enumerate() {
@@ -171,14 +170,15 @@ impl Overlap {
     }
 
     /// What `f` gives for each cell of the rectangle, by its number and its column in the window.
-    fn map<T>(&self, mut f: impl FnMut(usize, usize) -> T) -> Vec<T> {
+    fn map<T>(&self, job: &Job<'_>, mut f: impl FnMut(usize, usize) -> T) -> Result<Vec<T>> {
         let mut out = Vec::with_capacity(self.rows * self.cols);
         let left = self.first % self.stride;
         for row in 0..self.rows {
+            job.check()?;
             let first = self.first + row * self.stride;
             out.extend((0..self.cols).map(|col| f(first + col, left + col)));
         }
-        out
+        Ok(out)
     }
 }
 

@@ -12,14 +12,16 @@ use orograph_core::{Job, Result};
 
 use super::{Cell, EAST, FREE, NORTH, SOURCE, SOUTH, WEST};
 
+/// Cells or corners between two looks at whether to stop.
+const CHECK_EVERY: usize = 1 << 16;
+
 /// Sets a flow in `cells`, rows of `stride` with a frame that nothing flows into, which carry none yet.
 ///
 /// # Errors
 /// Cancellation.
 pub(super) fn set(cells: &mut [Cell], stride: usize, job: &Job<'_>) -> Result<()> {
-    let land = land(cells, stride);
-    job.check()?;
-    let (begins, ends) = tips(&land, stride);
+    let land = land(cells, stride, job)?;
+    let (begins, ends) = tips(&land, stride, job)?;
     if begins.is_empty() || ends.is_empty() {
         return Ok(());
     }
@@ -34,14 +36,17 @@ pub(super) fn set(cells: &mut [Cell], stride: usize, job: &Job<'_>) -> Result<()
         }
     };
     for i in 0..land.len() - stride {
+        if i.is_multiple_of(CHECK_EVERY) {
+            job.check()?;
+        }
         flow(i, i + 1, EAST, potential[i], potential[i + stride]);
         flow(i, i + stride, SOUTH, potential[i + stride], potential[i + stride - 1]);
     }
-    job.check()
+    Ok(())
 }
 
 /// Whose land each cell is: that of pins, and of cells that nothing flows through.
-fn land(cells: &[Cell], stride: usize) -> Vec<u8> {
+fn land(cells: &[Cell], stride: usize, job: &Job<'_>) -> Result<Vec<u8>> {
     let mut land: Vec<u8> = cells.iter().map(|cell| cell.tree).collect();
     let mut reached: Vec<u32> = Vec::new();
     let mut next = 0;
@@ -53,20 +58,27 @@ fn land(cells: &[Cell], stride: usize) -> Vec<u8> {
             }
         }
     };
+    job.check()?;
     for (i, cell) in cells.iter().enumerate() {
+        if i.is_multiple_of(CHECK_EVERY) {
+            job.check()?;
+        }
         if cell.tree != FREE {
             spread(i, &mut reached);
         }
     }
     while let Some(&i) = reached.get(next) {
         next += 1;
+        if next.is_multiple_of(CHECK_EVERY) {
+            job.check()?;
+        }
         spread(i as usize, &mut reached);
     }
-    land
+    Ok(land)
 }
 
 /// The corners where seams begin and those where they end. A corner has the number of the cell south-west of it.
-fn tips(land: &[u8], stride: usize) -> (Vec<u32>, Vec<u32>) {
+fn tips(land: &[u8], stride: usize, job: &Job<'_>) -> Result<(Vec<u32>, Vec<u32>)> {
     // Where both lands touch, what flowed through comes back: of each such side the corner on the left of who goes from
     // the sink to the source counts up, that on the right down, and what is left over are the tips.
     let mut count = vec![0_i8; land.len() + stride];
@@ -78,6 +90,9 @@ fn tips(land: &[u8], stride: usize) -> (Vec<u32>, Vec<u32>) {
         }
     };
     for i in 0..land.len() {
+        if i.is_multiple_of(CHECK_EVERY) {
+            job.check()?;
+        }
         // The frame's last cell of a row does not touch the first of the next.
         if (i + 1) % stride != 0 {
             touch(i, i + 1, i, i + stride);
@@ -92,7 +107,7 @@ fn tips(land: &[u8], stride: usize) -> (Vec<u32>, Vec<u32>) {
         let is_tip = |&corner: &usize| count[corner].signum() == sign && (corner + 1) % stride != 0;
         inner.clone().filter(is_tip).map(|corner| corner as u32).collect()
     };
-    (with(-1), with(1))
+    Ok((with(-1), with(1)))
 }
 
 /// How far each corner is from where seams begin, up to the farthest of those where they end. A step along the side
@@ -105,9 +120,7 @@ fn distances(
     ends: &[u32],
     job: &Job<'_>,
 ) -> Result<Vec<u64>> {
-    /// Corners between two looks at whether to stop.
-    const CHECK_EVERY: u64 = 1 << 16;
-    let mut taken = 0_u64;
+    let mut taken = 0_usize;
     let mut distance = vec![u64::MAX; land.len() + stride];
     // No step leads to corners of the outermost cells.
     distance[..stride].fill(0);
