@@ -10,6 +10,7 @@ pub mod graph;
 pub mod manual;
 pub mod plugin;
 pub mod registry;
+mod suggest;
 #[doc(hidden)]
 pub mod untrusted;
 mod whole;

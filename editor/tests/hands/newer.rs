@@ -45,7 +45,7 @@ fn what_cannot_be_opened_is_told_with_the_mend_and_left_alone() {
         (
             "(format: 1, nodes: 3, materials: {})",
             "there is no field `materials` here",
-            "the fields are format",
+            "its fields: `format`",
         ),
         (
             "(format: 1, nodes: {}, inputs: {\"a\": (type: Voxels)})",

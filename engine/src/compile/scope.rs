@@ -8,10 +8,11 @@ use std::{
 
 use indexmap::IndexMap;
 
-use super::{Compiler, MAX_DEPTH, MAX_NODES, suggest};
+use super::{Compiler, MAX_DEPTH, MAX_NODES};
 use crate::{
     NodeId,
     document::{Body, Document, DocumentError, NODE_FIELDS, unknown_fields},
+    suggest::suggest,
 };
 
 /// A document where it is used: errors about it tell the node of the outermost document that they are found at.

@@ -2,8 +2,11 @@
 
 use indexmap::IndexMap;
 
-use super::{Compiler, suggest, typed::Given};
-use crate::document::{DocumentError, Link};
+use super::{Compiler, typed::Given};
+use crate::{
+    document::{DocumentError, Link},
+    suggest::suggest,
+};
 
 /// A value given to a parameter.
 #[derive(Clone)]

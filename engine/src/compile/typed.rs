@@ -2,8 +2,10 @@
 
 use orograph_core::{Error, ParamKind, ParamSpec, ParamValue};
 
-use super::{list, suggest};
-use crate::document::Literal;
+use crate::{
+    document::Literal,
+    suggest::{list, suggest},
+};
 
 /// A value as it was given.
 #[derive(Clone)]

@@ -9,12 +9,12 @@ use super::{
     Compiler, Place,
     scope::Used,
     settings::{AllSettings, NodeSettings, Origin, Setting},
-    suggest,
     typed::{Given, typed, untyped},
 };
 use crate::{
     GraphError, NodeId,
     document::{Body, DocumentError, GRAPH, Link, NODE_FIELDS, Node},
+    suggest::suggest,
 };
 
 /// The checked values of one node.

@@ -3,10 +3,11 @@
 use indexmap::{IndexMap, IndexSet};
 use orograph_core::{Arity, PortSpec, ValueType};
 
-use super::{Compiler, list, suggest};
+use super::Compiler;
 use crate::{
     GraphError, NodeId, OutputRef,
     document::{Body, DocumentError, GRAPH, Link, Node},
+    suggest::{list, suggest},
 };
 
 /// More links than this through subgraphs and bypassed nodes, one after the other, are refused.

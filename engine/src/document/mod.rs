@@ -5,6 +5,7 @@
 //! messages, and so that nodes of unknown types are written back as they were.
 
 mod error;
+mod fields;
 mod literal;
 mod read;
 mod syntax;
@@ -18,9 +19,9 @@ use orograph_core::ValueType;
 
 pub(crate) use error::SourceText;
 pub use error::{DocumentError, DocumentErrors};
+pub(crate) use fields::{NODE_FIELDS, unknown_fields};
 pub use literal::Literal;
 pub(crate) use literal::quote;
-pub(crate) use read::{NODE_FIELDS, unknown_fields};
 use syntax::{Parsed, Shape, Tree};
 pub(crate) use write::node_ron;
 

@@ -4,21 +4,13 @@ use indexmap::IndexMap;
 
 use super::{
     Bend, Body, Comment, Document, DocumentError, DocumentErrors, Exposed, FORMAT, Frame, GRAPH, GraphInput,
-    Layout, Link, Literal, Node, SourceText, is_name,
+    Layout, Link, Literal, Node, SourceText,
+    fields::{BEND, COMMENT, DOCUMENT, EXPOSED, FRAME, INPUT, LAYOUT, NODE_FIELDS},
+    is_name,
     syntax::{Entry, Shape, Tree},
     types::value_type,
 };
-use crate::registry::nearest;
-
-const DOCUMENT: [&str; 7] = ["format", "doc", "expose", "inputs", "outputs", "nodes", "layout"];
-const EXPOSED: [&str; 3] = ["param", "doc", "range"];
-const INPUT: [&str; 2] = ["type", "doc"];
-const LAYOUT: [&str; 4] = ["nodes", "frames", "comments", "bends"];
-const FRAME: [&str; 2] = ["title", "rect"];
-const COMMENT: [&str; 2] = ["text", "at"];
-const BEND: [&str; 3] = ["from", "to", "through"];
-pub(crate) const NODE_FIELDS: [&str; 8] =
-    ["node", "version", "graph", "params", "inputs", "bypass", "comment", "plugin"];
+use crate::{registry::nearest, suggest::suggest};
 
 pub(super) fn document(source: &SourceText, tree: &Tree) -> Result<Document, DocumentErrors> {
     let mut reader = Reader { source, errors: Vec::new(), unknown: Vec::new() };
@@ -29,47 +21,6 @@ pub(super) fn document(source: &SourceText, tree: &Tree) -> Result<Document, Doc
     // Beside what cannot be read they are slips of the pen, and may be what is wrong.
     reader.errors.append(&mut reader.unknown);
     Err(DocumentErrors::new(reader.errors))
-}
-
-/// The mend of a field that is not known.
-fn field_help(name: &str, known: &[&str]) -> String {
-    match nearest(name, known.iter().copied()) {
-        Some(near) => format!("did you mean `{near}`?"),
-        None => format!("the fields are {}", known.join(", ")),
-    }
-}
-
-/// Where a field stands that format 1 does not know, and the fields that it knows there.
-type UnknownField = (Vec<String>, &'static [&'static str]);
-
-/// The fields of all but nodes that format 1 does not know.
-pub(crate) fn unknown_fields(document: &Document) -> Vec<UnknownField> {
-    let mut unknown = Vec::new();
-    let mut add = |place: &[&str], extra: &IndexMap<String, Literal>, known: &'static [&'static str]| {
-        for field in extra.keys() {
-            let path = place.iter().map(|step| (*step).to_owned()).chain([field.clone()]).collect();
-            unknown.push((path, known));
-        }
-    };
-    add(&[], &document.extra, &DOCUMENT);
-    for (name, exposed) in &document.expose {
-        add(&["expose", name], &exposed.extra, &EXPOSED);
-    }
-    for (name, input) in &document.inputs {
-        add(&["inputs", name], &input.extra, &INPUT);
-    }
-    let layout = &document.layout;
-    add(&["layout"], &layout.extra, &LAYOUT);
-    for (index, frame) in layout.frames.iter().enumerate() {
-        add(&["layout", "frames", &index.to_string()], &frame.extra, &FRAME);
-    }
-    for (index, comment) in layout.comments.iter().enumerate() {
-        add(&["layout", "comments", &index.to_string()], &comment.extra, &COMMENT);
-    }
-    for (index, bend) in layout.bends.iter().enumerate() {
-        add(&["layout", "bends", &index.to_string()], &bend.extra, &BEND);
-    }
-    unknown
 }
 
 /// The node that `tree` describes, when it describes one without fault.
@@ -142,7 +93,7 @@ impl<'a> Reader<'a> {
                 if self.unknown.len() < DocumentErrors::MOST {
                     let message = format!("there is no field `{name}` here");
                     let error = DocumentError::at(self.source, Some(entry.key.span.clone()), message);
-                    self.unknown.push(error.help(field_help(name, known)));
+                    self.unknown.push(error.help(suggest(name, known.iter().copied(), "fields")));
                 }
             }
             known.contains(name)

@@ -9,7 +9,7 @@ use super::{default, example, kind, one_line, range, traits, unit, wires};
 /// The page of one node type as plain text for a terminal.
 #[must_use]
 pub fn terminal_page(spec: &NodeSpec) -> String {
-    let mut page = format!("{} (version {})\n\n{}\n", spec.id, spec.version, spec.doc.trim());
+    let mut page = format!("{}\n\n{}\n", spec.id, spec.doc.trim());
     let _ = writeln!(page, "\n{}", traits(spec).join("\n"));
     for (title, ports) in [("Inputs", &spec.inputs), ("Outputs", &spec.outputs)] {
         if ports.is_empty() {
