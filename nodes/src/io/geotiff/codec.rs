@@ -1,6 +1,6 @@
 //! Compression of strips and tiles: none, deflate (both codes), LZW and PackBits.
 
-use std::cell::RefCell;
+use std::{cell::RefCell, sync::LazyLock};
 
 use flate2::{Compress, Decompress, FlushCompress, FlushDecompress, Status};
 use weezl::{BitOrder, decode, encode};
@@ -67,9 +67,18 @@ impl Packing {
     }
 }
 
-/// The quicker of two decoders, and for what it refuses the more tolerant one: some writers leave out the
-/// checksum, or pack more than the image needs.
+/// The quickest decoder, and for what it refuses the most tolerant one: some writers leave out the checksum, or pack more
+/// than the image needs.
 fn inflate(packed: &[u8], out: &mut [u8]) -> bool {
+    if packed.starts_with(&OWN_START) {
+        match fdeflate::decompress_to_vec_bounded(packed, out.len()) {
+            Ok(bytes) if bytes.len() == out.len() => {
+                out.copy_from_slice(&bytes);
+                return true;
+            }
+            _ => return inflate_tolerantly(packed, out),
+        }
+    }
     let options = DeflateOptions::default().set_size_hint(out.len()).set_limit(out.len());
     match DeflateDecoder::new_with_options(packed, options).decode_zlib() {
         Ok(bytes) if bytes.len() == out.len() => {
@@ -139,6 +148,19 @@ fn unpack_bits(packed: &[u8], out: &mut [u8]) -> bool {
     true
 }
 
+/// How all that [`deflate_differences`] packs begins: with its table of codes, which [`fdeflate`] reads best.
+static OWN_START: LazyLock<Vec<u8>> = LazyLock::new(|| {
+    let (one, other) = (deflate_differences(&[1; 64]), deflate_differences(&[200; 64]));
+    let alike = one.iter().zip(&other).take_while(|(one, other)| one == other).count();
+    one[..alike].to_vec()
+});
+
+/// Deflates the differences of whole numbers, which lie about zero as those of pictures do, with a zlib header: twice as
+/// quickly as [`deflate`] at level 1, and smaller.
+pub(super) fn deflate_differences(bytes: &[u8]) -> Vec<u8> {
+    fdeflate::compress_to_vec(bytes)
+}
+
 /// Deflates `bytes` with a zlib header.
 pub(super) fn deflate(bytes: &[u8], level: u32) -> Vec<u8> {
     thread_local! {
@@ -176,6 +198,25 @@ pub(super) fn lzw(bytes: &[u8]) -> Vec<u8> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn differences_begin_alike_and_come_back_by_every_decoder() {
+        assert!(OWN_START.len() > 30, "{}", OWN_START.len());
+        let noise = |i: usize| (orograph_core::key(7, 1, i as i64, 0) % 9) as u8;
+        for bytes in [Vec::new(), vec![0; 70_000], (0..70_000).map(|i| noise(i).wrapping_sub(4)).collect()] {
+            let packed = deflate_differences(&bytes);
+            assert!(packed.starts_with(&OWN_START));
+            let mut out = vec![1; bytes.len()];
+            assert!(Packing::Deflate.unpack(&packed, &mut out) && out == bytes);
+            let mut tolerant = vec![1; bytes.len()];
+            assert!(inflate_tolerantly(&packed, &mut tolerant) && tolerant == bytes);
+            // More than the image needs, and less.
+            if let Some(shorter) = bytes.len().checked_sub(100) {
+                assert!(Packing::Deflate.unpack(&packed, &mut out[..shorter]));
+                assert!(!Packing::Deflate.unpack(&packed[..packed.len() / 2], &mut out));
+            }
+        }
+    }
 
     /// The example of Apple's Technical Note 1023, which introduced the scheme.
     #[test]

@@ -164,10 +164,11 @@ impl Storage {
         }
     }
 
-    fn pack(&self, bytes: Vec<u8>) -> Vec<u8> {
+    fn pack(&self, bytes: Vec<u8>, predictor: u16) -> Vec<u8> {
         match self.compression {
             Compression::None => bytes,
             Compression::Lzw => codec::lzw(&bytes),
+            Compression::Deflate if self.level == 1 && predictor == 2 => codec::deflate_differences(&bytes),
             Compression::Deflate => codec::deflate(&bytes, self.level),
         }
     }
@@ -362,6 +363,6 @@ impl<C: Cells> Image<C> {
         if self.storage.layout == Layout::Tiles {
             bytes.resize(whole, 0);
         }
-        Ok(self.storage.pack(bytes))
+        Ok(self.storage.pack(bytes, self.cells.described().predictor))
     }
 }
