@@ -72,6 +72,8 @@ pub fn blur(terrain: &Heightfield, sigma: f64, job: &Job) -> Result<Heightfield>
         Heightfield::build_lots(grid.clone(), ROWS, job, |first, out| {
             let mut cells = across.beside_nothing(grid.cols);
             for (row, out) in out.chunks_mut(grid.cols).enumerate() {
+                // A wide bell takes its time for each.
+                job.check()?;
                 let heights = terrain.row(first + row);
                 arch.dispatch(Weighed { heights, weigh, cells: &mut cells[across.reach..] });
                 arch.dispatch(Along { cells: &cells, bell: across.whole(), out });

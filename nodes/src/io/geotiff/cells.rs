@@ -187,6 +187,8 @@ fn floats<'a, B: Bits>(
         if let Some(col) = stray {
             return Err((row, col));
         }
+        // Beyond the raster; what the row before left there is its bytes, no samples.
+        samples[heights.len()..].fill(bits(nodata));
         if to.predict {
             sample::sort_bytes(&samples, bytes);
         } else {
@@ -217,6 +219,8 @@ fn integers<'a, B: Bits>(
             let stray = heights.iter().position(|&height| !stored(height).1);
             return Err((row, stray.unwrap_or_default()));
         }
+        // Beyond the raster; what the row before left there is differences.
+        samples[heights.len()..].fill(bits(nodata));
         if to.predict {
             sample::difference(&mut samples);
         }
@@ -246,5 +250,33 @@ impl<B, F: Fn(f32) -> (i32, bool), G: Fn(i32) -> B> NullaryFnOnce for Stored<'_,
             fit &= fits;
         }
         fit
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn beyond_the_raster_every_row_of_a_tile_holds_nodata() {
+        let options = Options { sample: SampleType::Int16, nodata: -9999.0, ..Options::default() };
+        let rows = [[1.0, 2.0, 30.0], [4.0, f32::NAN, 6.0], [7.0, 8.0, 9.0]];
+        let mut bytes = Vec::new();
+        Heights(options).bytes(rows.iter().map(|row| &row[..]), 6, true, &mut bytes).unwrap();
+        for (row, bytes) in rows.iter().zip(bytes.chunks(12)) {
+            let mut sum = 0_i16;
+            let stored: Vec<i16> = bytes
+                .as_chunks::<2>()
+                .0
+                .iter()
+                .map(|&step| {
+                    sum = sum.wrapping_add(i16::from_le_bytes(step));
+                    sum
+                })
+                .collect();
+            let wanted = row.map(|height| if height.is_nan() { -9999 } else { height as i16 });
+            assert_eq!(stored[..3], wanted);
+            assert_eq!(stored[3..], [-9999; 3]);
+        }
     }
 }
