@@ -66,7 +66,7 @@ impl Entry {
 /// Bytes for each corner of what is kept here: two triangles, their worst cells, places in the heap.
 const BYTES_PER_CORNER: u64 = 192;
 /// Cells looked at between two questions whether to stop.
-const PATIENCE: i64 = 1 << 20;
+const PATIENCE: i64 = 1 << 18;
 /// Cells from which on it pays to look at triangles in parallel.
 const MANY_CELLS: i64 = 1 << 15;
 

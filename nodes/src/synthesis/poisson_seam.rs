@@ -37,7 +37,7 @@ pub struct PoissonSeamOut {
 
 impl Node for PoissonSeam {
     const ID: &'static str = "synthesis.poisson_seam";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 solves by another multigrid
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = PoissonSeamIn<'a>;
     type Outputs = PoissonSeamOut;

@@ -83,7 +83,7 @@ pub struct ElevationConstraintsOut {
 
 impl Node for ElevationConstraints {
     const ID: &'static str = "adjust.elevation_constraints";
-    const VERSION: u32 = 2;
+    const VERSION: u32 = 3; // 3 solves the membrane by another multigrid
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = ElevationConstraintsIn<'a>;
     type Outputs = ElevationConstraintsOut;

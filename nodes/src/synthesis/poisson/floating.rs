@@ -4,9 +4,9 @@ use std::ops::Range;
 
 use super::masked::Cell;
 
-/// Connected parts of free cells that touch no fixed cell, are held nowhere, and whose right side is not zero throughout:
-/// each as its cells in order, the parts by their first. The arrays are framed.
-pub(super) fn floating_parts(stride: usize, cells: &[Cell], holds: &[f64], b: &[f64]) -> Vec<Vec<usize>> {
+/// Connected parts of free cells that touch no fixed cell and are held nowhere: each as its cells in order, the parts by
+/// their first. The arrays are framed.
+pub(super) fn floating_parts(stride: usize, cells: &[Cell], holds: &[f64]) -> Vec<Vec<usize>> {
     let mut runs: Vec<Run> = Vec::new();
     let mut above = 0..0;
     for (row, line) in cells.chunks(stride).enumerate() {
@@ -16,7 +16,7 @@ pub(super) fn floating_parts(stride: usize, cells: &[Cell], holds: &[f64], b: &[
         for run in free_runs(line) {
             let range = row * stride + run.start..row * stride + run.end;
             let this = runs.len();
-            runs.push(Run::new(range.clone(), this, stride, cells, holds, b));
+            runs.push(Run::new(range.clone(), this, stride, cells, holds));
             while next_above < above.end && runs[next_above].cells.end + stride <= range.start {
                 next_above += 1;
             }
@@ -32,7 +32,7 @@ pub(super) fn floating_parts(stride: usize, cells: &[Cell], holds: &[f64], b: &[
     let mut places = vec![None; runs.len()];
     for i in 0..runs.len() {
         let part = root(&mut runs, i);
-        if runs[part].driven && !runs[part].anchored {
+        if !runs[part].anchored {
             let place = *places[part].get_or_insert_with(|| {
                 parts.push(Vec::new());
                 parts.len() - 1
@@ -59,18 +59,16 @@ struct Run {
     /// A run of the same part that lies before it, or itself.
     part: usize,
     anchored: bool,
-    driven: bool,
 }
 
 impl Run {
-    fn new(run: Range<usize>, i: usize, stride: usize, cells: &[Cell], holds: &[f64], b: &[f64]) -> Self {
+    fn new(run: Range<usize>, i: usize, stride: usize, cells: &[Cell], holds: &[f64]) -> Self {
         // Cells within the frame have all neighbours.
         let (start, end) = (run.start, run.end);
         let near = [start - stride..end - stride, start - 1..end + 1, start + stride..end + stride];
         let held = holds.get(run.clone()).is_some_and(|holds| holds.iter().any(|&hold| hold > 0.0));
         let anchored = held || near.into_iter().any(|near| cells[near].contains(&Cell::Fixed));
-        let driven = b[run.clone()].iter().any(|&b| b != 0.0);
-        Self { cells: run, part: i, anchored, driven }
+        Self { cells: run, part: i, anchored }
     }
 }
 
@@ -87,6 +85,5 @@ fn join(runs: &mut [Run], a: usize, b: usize) {
     let (a, b) = (root(runs, a), root(runs, b));
     let (first, other) = (a.min(b), a.max(b));
     runs[first].anchored |= runs[other].anchored;
-    runs[first].driven |= runs[other].driven;
     runs[other].part = first;
 }

@@ -30,7 +30,7 @@ pub struct Domain<'a> {
 }
 
 /// Bytes for one cell, all levels together.
-const BYTES: u64 = 88;
+const BYTES: u64 = 80;
 
 /// The solution for the right side `b`, 0 at all cells that are not free.
 ///
@@ -69,10 +69,15 @@ pub fn solve_held(domain: &Domain<'_>, holds: &[f64], b: &[f64], job: &Job<'_>) 
     let mut right = part.framed(b, 0.0);
     right.iter_mut().zip(&framed).filter(|(_, cell)| **cell != Cell::Free).for_each(|(b, _)| *b = 0.0);
     let holds = if holds.is_empty() { Vec::new() } else { part.framed(holds, 0.0) };
-    let floating = floating_parts(part.cols + 2, &framed, &holds, &right);
+    let floating = floating_parts(part.cols + 2, &framed, &holds);
     for cells in &floating {
+        if cells.iter().all(|&i| right[i] == 0.0) {
+            cells.iter().for_each(|&i| framed[i] = Cell::Outside);
+            continue;
+        }
         // Its equation follows from the others; where the part lies is settled below.
         framed[cells[0]] = Cell::Fixed;
+        right[cells[0]] = 0.0;
     }
     let (mut solution, _) = Iteration::new(part.cols, &framed, &holds, right, weights).run(job)?;
     for cells in &floating {
@@ -136,7 +141,10 @@ impl Part {
 mod tests {
     use orograph_core::{key, signed_unit};
 
-    use super::{super::iteration::ACCURACY, *};
+    use super::*;
+
+    /// What solutions are to be off by at most, in metres.
+    const ACCURACY: f64 = 2e-5;
 
     fn residual(domain: &Domain<'_>, b: &[f64], u: &[f64]) -> f64 {
         let (cols, n) = (domain.cols, domain.cells.len());
@@ -159,11 +167,10 @@ mod tests {
     }
 
     /// [`floating_parts`] of arrays without a frame.
-    fn floating(cols: usize, cells: &[Cell], holds: &[f64], b: &[f64]) -> Vec<Vec<usize>> {
+    fn floating(cols: usize, cells: &[Cell], holds: &[f64]) -> Vec<Vec<usize>> {
         let part = Part { top: 0, left: 0, rows: cells.len() / cols, cols, all_cols: cols };
         let holds = if holds.is_empty() { Vec::new() } else { part.framed(holds, 0.0) };
-        let found =
-            floating_parts(cols + 2, &part.framed(cells, Cell::Outside), &holds, &part.framed(b, 0.0));
+        let found = floating_parts(cols + 2, &part.framed(cells, Cell::Outside), &holds);
         let unframed = |i: usize| (i / (cols + 2) - 1) * cols + i % (cols + 2) - 1;
         found.into_iter().map(|part| part.into_iter().map(unframed).collect()).collect()
     }
@@ -186,32 +193,57 @@ mod tests {
             // Isolated free cells without fixed neighbour have no equation of their own.
             let b: Vec<f64> = (0..rows * cols).map(|i| 100.0 * draw(2, i)).collect();
             cells.iter_mut().step_by(7).for_each(|cell| *cell = Cell::Fixed);
-            let floating: Vec<usize> = floating(cols, &cells, &[], &b).into_iter().flatten().collect();
+            let floating: Vec<usize> = floating(cols, &cells, &[]).into_iter().flatten().collect();
             floating.iter().for_each(|&i| cells[i] = Cell::Outside);
             let domain = Domain { cols, cells: &cells, weights };
             let u = solve(&domain, &b, &Job::detached()).unwrap();
-            assert!(residual(&domain, &b, &u) < 8.0 * ACCURACY, "{seed}: {}", residual(&domain, &b, &u));
+            assert!(residual(&domain, &b, &u) < 4.0 * ACCURACY, "{seed}: {}", residual(&domain, &b, &u));
         }
     }
 
     #[test]
     fn large_regions_take_few_steps() {
-        // A disc with a slit, every cell driven: the multigrid must carry the long waves.
+        // Discs, every cell driven: the multigrid must carry the long waves, past edges that hold and that do not.
         let side = 301;
-        let kind = |i: usize| {
-            let (row, col) = ((i / side) as f64 - 150.0, (i % side) as f64 - 150.0);
-            let slit = row.abs() < 1.5 && col > -60.0;
-            if libm::hypot(row, col) < 140.0 && !slit { Cell::Free } else { Cell::Fixed }
+        let inside = |i: usize| libm::hypot((i / side) as f64 - 150.0, (i % side) as f64 - 150.0) < 140.0;
+        let slit = |i: usize| (i / side).abs_diff(150) < 2 && i % side > 90;
+        let disc = |rim: Cell, slit_is: Cell| -> Vec<Cell> {
+            let kind = |i: usize| match inside(i) {
+                true if slit(i) => slit_is,
+                true => Cell::Free,
+                false => rim,
+            };
+            (0..side * side).map(kind).collect()
         };
-        let cells: Vec<Cell> = (0..side * side).map(kind).collect();
-        let domain = Domain { cols: side, cells: &cells, weights: [1.0; 2] };
-        let b = vec![1.0; side * side];
-        let u = solve(&domain, &b, &Job::detached()).unwrap();
-        assert!(residual(&domain, &b, &u) < 8.0 * ACCURACY);
-        let part = Part { top: 0, left: 0, rows: side, cols: side, all_cols: side };
-        let (cells, b) = (part.framed(&cells, Cell::Outside), part.framed(&b, 0.0));
-        let (_, steps) = Iteration::new(side, &cells, &[], b, [1.0; 2]).run(&Job::detached()).unwrap();
-        assert!(steps <= 15, "{steps}");
+        let held =
+            |each: usize| (0..side * side).map(|i| if i.is_multiple_of(each) { 1e4 } else { 0.0 }).collect();
+        for (name, cells, holds, most) in [
+            ("fixed", disc(Cell::Fixed, Cell::Free), Vec::new(), 6),
+            ("fixed, with a slit", disc(Cell::Fixed, Cell::Fixed), Vec::new(), 7),
+            ("open, held at points", disc(Cell::Outside, Cell::Free), held(997), 12),
+            ("open, with a slit, held at points", disc(Cell::Outside, Cell::Outside), held(997), 12),
+        ] {
+            let b: Vec<f64> = (0..side * side).map(|i| signed_unit(key(5, 1, i as i64, 0))).collect();
+            let domain = Domain { cols: side, cells: &cells, weights: [1.0; 2] };
+            let u = solve_held(&domain, &holds, &b, &Job::detached()).unwrap();
+            let rest: Vec<f64> = match &holds[..] {
+                [] => b.clone(),
+                holds => (0..b.len()).map(|i| b[i] - holds[i] * u[i]).collect(),
+            };
+            let off = residual(&domain, &rest, &u);
+            assert!(off < if holds.is_empty() { 4.0 * ACCURACY } else { 1e-2 }, "{name}: {off}");
+            let part = Part { top: 0, left: 0, rows: side, cols: side, all_cols: side };
+            let (framed, mut right) = (part.framed(&cells, Cell::Outside), part.framed(&b, 0.0));
+            right
+                .iter_mut()
+                .zip(&framed)
+                .filter(|(_, cell)| **cell != Cell::Free)
+                .for_each(|(b, _)| *b = 0.0);
+            let holds = if holds.is_empty() { holds } else { part.framed(&holds, 0.0) };
+            let (_, steps) =
+                Iteration::new(side, &framed, &holds, right, [1.0; 2]).run(&Job::detached()).unwrap();
+            assert!(steps <= most, "{name}: {steps}");
+        }
     }
 
     #[test]
@@ -227,7 +259,6 @@ mod tests {
                 })
                 .collect();
             let some = |stream: u64, i: usize| if draw(stream, i) > 0.9 { 1.0 } else { 0.0 };
-            let b: Vec<f64> = (0..rows * cols).map(|i| some(2, i)).collect();
             let holds: Vec<f64> = (0..rows * cols).map(|i| some(3, i) * some(4, i)).collect();
             let mut found = Vec::new();
             let mut seen = vec![false; rows * cols];
@@ -252,11 +283,11 @@ mod tests {
                     }
                 }
                 part.sort_unstable();
-                if !anchored && part.iter().any(|&i| b[i] != 0.0) && part.iter().all(|&i| holds[i] == 0.0) {
+                if !anchored && part.iter().all(|&i| holds[i] == 0.0) {
                     found.push(part);
                 }
             }
-            assert_eq!(floating(cols, &cells, &holds, &b), found, "{seed}");
+            assert_eq!(floating(cols, &cells, &holds), found, "{seed}");
         }
     }
 
@@ -271,6 +302,21 @@ mod tests {
         for (u, truth) in u[1..6].iter().zip([-3.0, -3.0, 2.0, 2.0, 2.0]) {
             assert!((u - truth).abs() < ACCURACY, "{u} {truth}");
         }
+    }
+
+    #[test]
+    fn a_part_that_nothing_holds_or_drives_stays_where_it_is() {
+        // Two halves, a column outside between them; the left one is driven and held, the right one neither.
+        let (rows, cols) = (40, 41);
+        let kind = |i: usize| match i % cols {
+            0 => Cell::Fixed,
+            20 => Cell::Outside,
+            _ => Cell::Free,
+        };
+        let cells: Vec<Cell> = (0..rows * cols).map(kind).collect();
+        let b: Vec<f64> = (0..rows * cols).map(|i| if i % cols < 20 { 1.0 } else { 0.0 }).collect();
+        let u = solve(&Domain { cols, cells: &cells, weights: [1.0; 2] }, &b, &Job::detached()).unwrap();
+        assert!((0..rows * cols).all(|i| (u[i] != 0.0) == (1..20).contains(&(i % cols))));
     }
 
     #[test]
@@ -290,7 +336,7 @@ mod tests {
         let hold = |i: usize| if draw(3, i) > 0.9 { libm::pow(10.0, 5.0 * draw(4, i)) } else { 0.0 };
         let mut holds: Vec<f64> = (0..rows * cols).map(hold).collect();
         let b: Vec<f64> = (0..rows * cols).map(|i| 100.0 * draw(2, i)).collect();
-        for part in floating(cols, &cells, &holds, &b) {
+        for part in floating(cols, &cells, &holds) {
             holds[part[0]] = 1.0;
         }
         let domain = Domain { cols, cells: &cells, weights: [1.0, 0.6] };
@@ -302,7 +348,7 @@ mod tests {
         let rest: Vec<f64> = (0..rows * cols).map(|i| b[i] - holds[i] * exact[i]).collect();
         assert!(residual(&domain, &rest, &exact) < 1e-2, "{}", residual(&domain, &rest, &exact));
         for (u, exact) in u.iter().zip(exact) {
-            assert!((u - exact).abs() < 10.0 * ACCURACY, "{u} {exact}");
+            assert!((u - exact).abs() < 5.0 * ACCURACY, "{u} {exact}");
         }
         assert!(solve_held(&domain, &[1.0], &b, &Job::detached()).is_err());
     }

@@ -6,6 +6,7 @@ mod iteration;
 pub mod masked;
 mod multigrid;
 pub mod natural;
+mod network;
 pub mod rectangle;
 mod rolling;
 mod rows;

@@ -1,246 +1,269 @@
-//! One multigrid cycle on cells: a good guess at the solution of Poisson's equation, symmetric in its input.
+//! Multigrid: a good guess at the solution of Poisson's equation, symmetric in its input.
 //!
-//! Each coarser level halves the cells (McAdams, Sifakis and Teran 2010): a coarse cell is fixed if one of its four is,
-//! else free if one is, else outside. Corrections are spread bilinearly and residuals gathered by the transpose. A
-//! level is smoothed by two Jacobi sweeps with Chebyshev's weights before and, in reverse, after, which rows can do
-//! in parallel and without branches: values are 0 wherever a cell is not free. A guess needs no more than single
-//! precision; what it misses the next one finds.
+//! Each coarser level halves the cells ([`network`](super::network)). Corrections are spread bilinearly and residuals
+//! gathered by the transpose. A level is smoothed by two Jacobi sweeps with Chebyshev's weights before and, in reverse,
+//! after, which rows can do in parallel and without branches: values are 0 wherever a cell is not free. A guess needs no
+//! more than single precision; what it misses the next one finds.
 //!
 //! Memory is what a cycle waits for. So all that is done on a level on the way down goes through its rows once, each step a
 //! row behind the one before ([`Descent`]), and so does all on the way up ([`Ascent`]).
 
 use pulp::{Arch, NullaryFnOnce};
-use rayon::prelude::*;
 
 use super::{
     masked::Cell,
+    network::{At, Finest, Joint, Size, halved, parents, share},
     rolling::Rolling,
-    rows::{PARALLEL, made},
-    stencil::{Line, Stencil, gather, spread},
+    rows::{ROWS, each, each_two},
+    stencil::{Alike, Line, Own, Row, gather},
 };
 
-/// Weights of the two sweeps, the zeros of Chebyshev's polynomial on the upper three quarters of the spectrum (0, 2).
-const SWEEPS: [f32; 2] = [0.561_7, 1.389_2];
-/// Levels end at this many cells along the shorter side, where this many sweeps settle the rest.
-const COARSEST: usize = 3;
-const COARSEST_SWEEPS: usize = 24;
+/// Weights of the two sweeps, the zeros of Chebyshev's polynomial on the part of the spectrum from 0.3 to 2.
+const SWEEPS: [f32; 2] = [0.571_1, 1.821_6];
 
-struct Level {
-    rows: usize,
-    cols: usize,
-    /// Weights of the steps along a row and along a column.
-    weights: [f32; 2],
-    /// Sum of the weights of a free cell's neighbours and its inverse; 0 for cells that are not free.
-    diagonal: Vec<f32>,
-    inverse: Vec<f32>,
+struct Level<M> {
+    size: Size,
+    matrix: M,
+    terms: Vec<f32>,
     value: Vec<f32>,
     spare: Vec<f32>,
     right: Vec<f32>,
 }
 
-/// The levels over a domain, finest first. All arrays have a frame one cell wide.
+/// What is kept of each cell besides, a row of the level after the other, and of a row one term after the other: the
+/// inverse of the matrix's diagonal, and how much of what the coarser level spreads the cell takes. They are 0 for cells
+/// that are not free.
+const INVERSE: usize = 0;
+const SHARE: usize = 1;
+/// On coarser levels also what flows to the next cell of the row and of the column.
+const EAST: usize = 2;
+const SOUTH: usize = 3;
+
+/// The levels over a domain. All arrays have a frame one cell wide.
 pub(super) struct Levels {
-    levels: Vec<Level>,
+    finest: Level<Alike>,
+    /// The next one first, the last a single cell.
+    coarser: Vec<Level<Varied>>,
+}
+
+/// What decides the flow between cells.
+trait Matrix: Sync + 'static {
+    /// How many terms a cell has.
+    const TERMS: usize;
+    type Row<'a>: Row;
+    /// Row `row`, counted with the frame.
+    fn row<'a>(&self, terms: &'a [f32], row: usize, stride: usize) -> Self::Row<'a>;
+}
+
+impl Matrix for Alike {
+    const TERMS: usize = 2;
+    type Row<'a> = Self;
+
+    #[inline(always)]
+    fn row(&self, _: &[f32], _: usize, _: usize) -> Self {
+        *self
+    }
+}
+
+/// Flows of each cell's own, which are among its terms.
+struct Varied;
+
+impl Matrix for Varied {
+    const TERMS: usize = 4;
+    type Row<'a> = Own<'a>;
+
+    #[inline(always)]
+    fn row<'a>(&self, terms: &'a [f32], row: usize, stride: usize) -> Own<'a> {
+        let from = |term: usize, row: usize, col: usize| {
+            &terms[(row * Self::TERMS + term) * stride + col..][..stride - 2]
+        };
+        Own {
+            west: from(EAST, row, 0),
+            east: from(EAST, row, 1),
+            north: from(SOUTH, row - 1, 1),
+            south: from(SOUTH, row, 1),
+        }
+    }
 }
 
 impl Levels {
-    /// For the framed cells of a domain with the `diagonal` of its matrix and the strengths by which cells are held.
-    pub(super) fn new(
-        cols: usize,
-        framed: &[Cell],
-        diagonal: &[f64],
-        holds: &[f64],
-        weights: [f64; 2],
-    ) -> Self {
-        let rows = framed.len() / (cols + 2) - 2;
-        let mut levels = vec![Level::new(rows, cols, diagonal, weights)];
-        let (mut rows, mut cols) = (rows, cols);
-        let (mut framed, mut holds) = (framed.to_vec(), holds.to_vec());
-        while rows.min(cols) > COARSEST && framed.contains(&Cell::Free) {
-            framed = coarser(rows, cols, &framed);
-            holds = gathered(cols, &holds);
-            (rows, cols) = (rows.div_ceil(2), cols.div_ceil(2));
-            levels.push(Level::new(rows, cols, &diagonal_of(cols, &framed, &holds, weights), weights));
+    /// For the framed cells of a domain, the strengths by which they are held, if any is, and the weights of steps.
+    pub(super) fn new(cols: usize, framed: &[Cell], holds: &[f64], weights: [f64; 2]) -> Self {
+        let mut size = Size { rows: framed.len() / (cols + 2) - 2, cols };
+        let mean = (0.5 * (weights[0] + weights[1])) as f32;
+        let finest = Finest { stride: size.stride(), cells: framed, holds, weights };
+        let mut joints = halved(size, |i| finest.joint(i), mean);
+        let matrix = Alike(weights.map(|weight| weight as f32));
+        let finest = Level::new(size, matrix, |at| {
+            let i = at.index(size);
+            if framed[i] != Cell::Free {
+                return [0.0; Alike::TERMS];
+            }
+            let sides = finest.sides(i);
+            let hold = holds.get(i).copied().unwrap_or(0.0);
+            let diagonal = sides + hold;
+            // A cell that is held firmly hardly moves, so that little is spread to it, as to a fixed one nothing is.
+            let share = share(size, at, framed[i], &joints) * (sides * inverse(diagonal)) as f32;
+            [inverse(diagonal) as f32, share]
+        });
+        let mut coarser = Vec::new();
+        while !size.is_single() {
+            size = size.halved();
+            let next = halved(size, |i| joints[i], mean);
+            coarser.push(Level::new(size, Varied, |at| {
+                let i = at.index(size);
+                let Joint { cell, east, south, ground } = joints[i];
+                let diagonal = east + south + ground + joints[i - 1].east + joints[i - size.stride()].south;
+                [inverse(diagonal.into()) as f32, share(size, at, cell, &next), east, south]
+            }));
+            joints = next;
         }
-        Self { levels }
+        Self { finest, coarser }
     }
 
-    /// What the last [`precondition`](Self::precondition) found.
-    pub(super) fn correction(&self) -> &[f32] {
-        &self.levels[0].value
+    /// What was found last, and the right side that it was found for, which is 0 where cells are not free.
+    pub(super) fn found(&mut self) -> (&[f32], &mut [f32]) {
+        (&self.finest.value, &mut self.finest.right)
     }
 
-    /// One cycle for the right side that `write` sets, from zero.
-    pub(super) fn precondition(&mut self, write: impl FnOnce(&mut [f32])) {
-        write(&mut self.levels[0].right);
-        let last = self.levels.len() - 1;
-        for k in 0..last {
-            let (fine, coarse) = self.levels.split_at_mut(k + 1);
-            fine[k].descend(&mut coarse[0]);
-        }
-        self.levels[last].settle();
-        for k in (0..last).rev() {
-            let (fine, coarse) = self.levels.split_at_mut(k + 1);
-            fine[k].ascend(&coarse[0]);
-        }
+    /// One cycle, from zero.
+    pub(super) fn precondition(&mut self) {
+        self.finest.cycle(&mut self.coarser);
+    }
+
+    /// A first guess, once, before any cycle: every level starts from what the coarser one found.
+    pub(super) fn guess(&mut self) {
+        self.finest.nest(&mut self.coarser);
     }
 }
 
-/// The matrix's diagonal: the sum of the weights of a free cell's neighbours and its hold; 0 for cells that are not free.
-pub(super) fn diagonal_of(cols: usize, framed: &[Cell], holds: &[f64], [across, down]: [f64; 2]) -> Vec<f64> {
-    let stride = cols + 2;
-    let flows = |j: usize, weight: f64| if framed[j] == Cell::Outside { 0.0 } else { weight };
-    let at = |i: usize| {
-        if framed[i] != Cell::Free {
-            return 0.0;
-        }
-        let near =
-            flows(i - 1, across) + flows(i + 1, across) + flows(i - stride, down) + flows(i + stride, down);
-        near + holds.get(i).copied().unwrap_or(0.0)
-    };
-    made(framed.len(), at)
-}
-
-fn coarser(rows: usize, cols: usize, framed: &[Cell]) -> Vec<Cell> {
-    let stride = cols + 2;
-    let (coarse_rows, coarse_cols) = (rows.div_ceil(2), cols.div_ceil(2));
-    let mut out = vec![Cell::Outside; (coarse_rows + 2) * (coarse_cols + 2)];
-    for row in 0..coarse_rows {
-        for col in 0..coarse_cols {
-            let at = |i: usize, j: usize| framed[(2 * row + 1 + i) * stride + 2 * col + 1 + j];
-            // The frame lends the missing half of an odd last row or column.
-            let four = [at(0, 0), at(0, 1), at(1, 0), at(1, 1)];
-            out[(row + 1) * (coarse_cols + 2) + col + 1] = if four.contains(&Cell::Fixed) {
-                Cell::Fixed
-            } else if four.contains(&Cell::Free) {
-                Cell::Free
-            } else {
-                Cell::Outside
-            };
-        }
-    }
-    out
-}
-
-/// The holds of coarser cells: all that pulls at their four cells. Nearly every domain is held nowhere and has none.
-fn gathered(cols: usize, holds: &[f64]) -> Vec<f64> {
-    let (stride, coarse_stride) = (cols + 2, cols.div_ceil(2) + 2);
-    let rows = (holds.len() / stride).saturating_sub(2);
-    let n = if holds.is_empty() { 0 } else { (rows.div_ceil(2) + 2) * coarse_stride };
-    let mut out = vec![0.0; n];
-    for row in 0..rows {
-        for col in 0..cols {
-            out[(row / 2 + 1) * coarse_stride + col / 2 + 1] += holds[(row + 1) * stride + col + 1];
-        }
-    }
-    out
+/// 0 of 0: a cell from which nothing leads stays where it is.
+fn inverse(diagonal: f64) -> f64 {
+    if diagonal > 0.0 { 1.0 / diagonal } else { 0.0 }
 }
 
 /// Rows of the coarser level that are made together on the way down, and half the rows that are on the way up.
 const LOT: usize = 16;
 
-impl Level {
-    fn new(rows: usize, cols: usize, diagonal: &[f64], weights: [f64; 2]) -> Self {
-        let inverse = |diagonal: f64| if diagonal > 0.0 { (1.0 / diagonal) as f32 } else { 0.0 };
-        let zeros = || vec![0.0; diagonal.len()];
-        Self {
-            rows,
-            cols,
-            weights: weights.map(|weight| weight as f32),
-            diagonal: made(diagonal.len(), |i| diagonal[i] as f32),
-            inverse: made(diagonal.len(), |i| inverse(diagonal[i])),
-            value: zeros(),
-            spare: zeros(),
-            right: zeros(),
-        }
-    }
-
-    fn stride(&self) -> usize {
-        self.cols + 2
+impl<M: Matrix> Level<M> {
+    /// `term` gives the terms of a cell.
+    fn new<const TERMS: usize>(size: Size, matrix: M, term: impl Fn(At) -> [f32; TERMS] + Sync) -> Self {
+        const { assert!(TERMS == M::TERMS) };
+        let (stride, zeros) = (size.stride(), || vec![0.0; size.framed()]);
+        let mut terms = vec![0.0; TERMS * size.framed()];
+        let inner = TERMS * stride..TERMS * (size.rows + 1) * stride;
+        each(&mut terms[inner], TERMS * ROWS * stride, |start, out| {
+            for (row, out) in out.chunks_mut(TERMS * stride).enumerate() {
+                let row = start / (TERMS * stride) + 1 + row;
+                for col in 1..=size.cols {
+                    let terms = term(At { row, col });
+                    terms.into_iter().enumerate().for_each(|(k, term)| out[k * stride + col] = term);
+                }
+            }
+        });
+        Self { size, matrix, terms, value: zeros(), spare: zeros(), right: zeros() }
     }
 
     /// A row of what does not change in a cycle, counted with the frame.
-    fn line(&self, row: usize) -> Line<'_> {
-        let range = row * self.stride()..(row + 1) * self.stride();
+    #[inline(always)]
+    fn line(&self, row: usize) -> Line<'_, M::Row<'_>> {
+        let stride = self.size.stride();
+        let term = |term: usize| &self.terms[(row * M::TERMS + term) * stride + 1..][..stride - 2];
         Line {
-            diagonal: &self.diagonal[range.clone()],
-            inverse: &self.inverse[range.clone()],
-            right: &self.right[range],
+            matrix: self.matrix.row(&self.terms, row, stride),
+            inverse: term(INVERSE),
+            share: term(SHARE),
+            right: &self.right[row * stride + 1..][..stride - 2],
         }
     }
 
-    /// Two sweeps from zero, and what they leave of the right side as that of the coarser level.
-    fn descend(&mut self, coarse: &mut Self) {
-        let (stride, coarse_stride, arch) = (self.stride(), coarse.stride(), Arch::new());
-        let (mut value, mut gathered) = (std::mem::take(&mut self.value), std::mem::take(&mut coarse.right));
-        let inner = stride..value.len() - stride;
-        let coarse_inner = coarse_stride..gathered.len() - coarse_stride;
-        let (value_lot, gathered_lot) = (2 * LOT * stride, LOT * coarse_stride);
-        let lot = |(i, (value, gathered)): (usize, (&mut [f32], &mut [f32]))| {
-            arch.dispatch(Descent { level: self, first: 2 * LOT * i + 1, value, gathered });
-        };
-        if value.len() < PARALLEL {
-            value[inner]
-                .chunks_mut(value_lot)
-                .zip(gathered[coarse_inner].chunks_mut(gathered_lot))
-                .enumerate()
-                .for_each(lot);
-        } else {
-            value[inner]
-                .par_chunks_mut(value_lot)
-                .zip(gathered[coarse_inner].par_chunks_mut(gathered_lot))
-                .enumerate()
-                .for_each(lot);
-        }
-        (self.value, coarse.right) = (value, gathered);
+    /// One cycle through this level and the `coarser` ones, from zero.
+    fn cycle(&mut self, coarser: &mut [Level<Varied>]) {
+        let Some((next, others)) = coarser.split_first_mut() else { return self.settle() };
+        self.descend(Start::Zero, next);
+        next.cycle(others);
+        self.ascend(next);
+    }
+
+    /// A solution from what the coarser level finds for the same right side, improved by one cycle.
+    fn nest(&mut self, coarser: &mut [Level<Varied>]) {
+        let Some((next, others)) = coarser.split_first_mut() else { return self.settle() };
+        self.pass_on(next);
+        next.nest(others);
+        self.ascend(next);
+        self.descend(Start::Value, next);
+        next.cycle(others);
+        self.ascend(next);
+    }
+
+    /// The right side as that of the coarser level.
+    fn pass_on(&self, coarse: &mut Level<Varied>) {
+        let (stride, coarse_stride) = (self.size.stride(), coarse.size.stride());
+        let rows = self.size.rows;
+        let inner = coarse_stride..coarse.right.len() - coarse_stride;
+        each(&mut coarse.right[inner], LOT * coarse_stride, |start, out| {
+            let mut taken = [(); 4].map(|()| vec![0.0; stride]);
+            for (row, out) in out.chunks_mut(coarse_stride).enumerate() {
+                let first = 2 * (start / coarse_stride + row);
+                for (row, taken) in (first..).zip(&mut taken) {
+                    if (1..=rows).contains(&row) {
+                        self.line(row).take(taken);
+                    } else {
+                        taken.fill(0.0);
+                    }
+                }
+                gather(taken.each_ref().map(|row| &row[..]), out);
+            }
+        });
+    }
+
+    /// Two sweeps, and what they leave of the right side as that of the coarser level.
+    fn descend(&mut self, start: Start, coarse: &mut Level<Varied>) {
+        let (stride, coarse_stride, arch) = (self.size.stride(), coarse.size.stride(), Arch::new());
+        let (mut swept, mut gathered) = (std::mem::take(&mut self.spare), std::mem::take(&mut coarse.right));
+        let (inner, coarse_inner) =
+            (stride..swept.len() - stride, coarse_stride..gathered.len() - coarse_stride);
+        each_two(
+            (&mut swept[inner], 2 * LOT * stride),
+            (&mut gathered[coarse_inner], LOT * coarse_stride),
+            |at, swept, gathered| {
+                arch.dispatch(Descent { level: self, start, first: at / stride + 1, value: swept, gathered });
+            },
+        );
+        self.spare = std::mem::replace(&mut self.value, swept);
+        coarse.right = gathered;
     }
 
     /// The coarser level's values added, and two sweeps.
-    fn ascend(&mut self, coarse: &Self) {
-        let (stride, arch) = (self.stride(), Arch::new());
+    fn ascend(&mut self, coarse: &Level<Varied>) {
+        let (stride, arch) = (self.size.stride(), Arch::new());
         let mut next = std::mem::take(&mut self.spare);
         let inner = stride..next.len() - stride;
-        let lot = |(i, next): (usize, &mut [f32])| {
-            arch.dispatch(Ascent { level: self, coarse, first: 2 * LOT * i + 1, next });
-        };
-        if next.len() < PARALLEL {
-            next[inner].chunks_mut(2 * LOT * stride).enumerate().for_each(lot);
-        } else {
-            next[inner].par_chunks_mut(2 * LOT * stride).enumerate().for_each(lot);
-        }
+        each(&mut next[inner], 2 * LOT * stride, |start, next| {
+            arch.dispatch(Ascent { level: self, coarse, first: start / stride + 1, next });
+        });
         self.spare = std::mem::replace(&mut self.value, next);
     }
 
-    /// As many sweeps from zero as the coarsest level takes, there and back, so that the whole stays symmetric.
+    /// The solution, of a single cell.
     fn settle(&mut self) {
-        let there = (0..COARSEST_SWEEPS).map(|i| if i < COARSEST_SWEEPS / 2 { i % 2 } else { 1 - i % 2 });
-        let all = std::iter::once(1).chain(there).chain([1, 0]);
-        self.start(SWEEPS[0]);
-        all.for_each(|which| self.sweep(SWEEPS[which]));
-    }
-
-    fn start(&mut self, weight: f32) {
-        let (stride, mut value) = (self.stride(), std::mem::take(&mut self.value));
-        for row in 1..=self.rows {
-            self.line(row).start(weight, &mut value[row * stride..][..stride]);
-        }
-        self.value = value;
-    }
-
-    fn sweep(&mut self, weight: f32) {
-        let (stride, mut next) = (self.stride(), std::mem::take(&mut self.spare));
-        for row in 1..=self.rows {
-            let near = [row - 1, row, row + 1].map(|row| &self.value[row * stride..][..stride]);
-            let stencil = Stencil { near, weights: self.weights };
-            stencil.sweep(weight, &self.line(row), &mut next[row * stride..][..stride]);
-        }
-        self.spare = std::mem::replace(&mut self.value, next);
+        let at = self.size.stride() + 1;
+        self.value[at] = self.right[at] * self.line(1).inverse[0];
     }
 }
 
+/// What sweeps start from.
+#[derive(Clone, Copy)]
+enum Start {
+    Zero,
+    /// The level's value.
+    Value,
+}
+
 /// The way down through some rows of a level.
-struct Descent<'a> {
-    level: &'a Level,
+struct Descent<'a, M> {
+    level: &'a Level<M>,
+    start: Start,
     /// The first of the rows, an odd one as the frame counts.
     first: usize,
     /// Their values after two sweeps.
@@ -249,17 +272,17 @@ struct Descent<'a> {
     gathered: &'a mut [f32],
 }
 
-impl NullaryFnOnce for Descent<'_> {
+impl<M: Matrix> NullaryFnOnce for Descent<'_, M> {
     type Output = ();
 
     /// Rows beyond the lot that its own ones look at are made here, too, which costs less than to wait for other lots.
     #[inline(always)]
     fn call(self) {
-        let Self { level, first, value, gathered } = self;
-        let stride = level.stride();
+        let Self { level, start, first, value, gathered } = self;
+        let stride = level.size.stride();
         let rows = value.len() / stride;
-        let coarse_stride = level.cols.div_ceil(2) + 2;
-        let within = |row: usize| (1..=level.rows).contains(&row);
+        let coarse_stride = level.size.halved().stride();
+        let within = |row: usize| (1..=level.size.rows).contains(&row);
         let mut started = Rolling::<3>::new(stride);
         let mut swept = Rolling::<3>::new(stride);
         let mut rest = Rolling::<4>::new(stride);
@@ -267,14 +290,19 @@ impl NullaryFnOnce for Descent<'_> {
         // Three rows before the first one is the earliest that matters; none lies before the frame.
         for row in first.saturating_sub(3)..=last + 2 {
             match started.row(row) {
-                out if within(row) => level.line(row).start(SWEEPS[0], out),
+                out if within(row) => match start {
+                    Start::Zero => level.line(row).start(SWEEPS[0], out),
+                    Start::Value => {
+                        let near = [row - 1, row, row + 1].map(|row| &level.value[row * stride..][..stride]);
+                        level.line(row).sweep(SWEEPS[0], near, out);
+                    }
+                },
                 out => out.fill(0.0),
             }
             let Some(row) = row.checked_sub(1) else { continue };
             match swept.row(row) {
                 out if within(row) => {
-                    let stencil = Stencil { near: started.around(row), weights: level.weights };
-                    stencil.sweep(SWEEPS[1], &level.line(row), out);
+                    level.line(row).sweep(SWEEPS[1], started.around(row), out);
                     if (first..first + rows).contains(&row) {
                         value[(row - first) * stride..][..stride].copy_from_slice(out);
                     }
@@ -283,10 +311,7 @@ impl NullaryFnOnce for Descent<'_> {
             }
             let Some(row) = row.checked_sub(1) else { continue };
             match rest.row(row) {
-                out if within(row) => {
-                    let stencil = Stencil { near: swept.around(row), weights: level.weights };
-                    stencil.residual(&level.line(row), out);
-                }
+                out if within(row) => level.line(row).rest(swept.around(row), out),
                 out => out.fill(0.0),
             }
             // A coarse row over this one and the one before gathers from one more on either side.
@@ -300,24 +325,24 @@ impl NullaryFnOnce for Descent<'_> {
 }
 
 /// The way up through some rows of a level.
-struct Ascent<'a> {
-    level: &'a Level,
-    coarse: &'a Level,
+struct Ascent<'a, M> {
+    level: &'a Level<M>,
+    coarse: &'a Level<Varied>,
     /// The first of the rows, as the frame counts.
     first: usize,
     next: &'a mut [f32],
 }
 
-impl NullaryFnOnce for Ascent<'_> {
+impl<M: Matrix> NullaryFnOnce for Ascent<'_, M> {
     type Output = ();
 
     /// As on the way down.
     #[inline(always)]
     fn call(self) {
         let Self { level, coarse, first, next } = self;
-        let (stride, coarse_stride) = (level.stride(), coarse.stride());
+        let (stride, coarse_stride) = (level.size.stride(), coarse.size.stride());
         let rows = next.len() / stride;
-        let within = |row: usize| (1..=level.rows).contains(&row);
+        let within = |row: usize| (1..=level.size.rows).contains(&row);
         let mut lifted = Rolling::<3>::new(stride);
         let mut swept = Rolling::<3>::new(stride);
         let mut blend = vec![0.0; coarse_stride];
@@ -325,30 +350,24 @@ impl NullaryFnOnce for Ascent<'_> {
             match lifted.row(row) {
                 out if within(row) => {
                     // A row lies a quarter of a coarse one off the middle of its own, towards the one before or after.
-                    let own = row.div_ceil(2);
-                    let other = if row.is_multiple_of(2) { own + 1 } else { own - 1 };
+                    let (own, other) = parents(row);
                     let [own, other] =
                         [own, other].map(|row| &coarse.value[row * coarse_stride..][..coarse_stride]);
                     for ((blend, own), other) in blend.iter_mut().zip(own).zip(other) {
                         *blend = 0.75 * own + 0.25 * other;
                     }
-                    let free = level.line(row).inverse;
-                    spread(&blend, free, &level.value[row * stride..][..stride], out);
+                    level.line(row).spread(&blend, &level.value[row * stride..][..stride], out);
                 }
                 out => out.fill(0.0),
             }
             let Some(row) = row.checked_sub(1) else { continue };
             match swept.row(row) {
-                out if within(row) => {
-                    let stencil = Stencil { near: lifted.around(row), weights: level.weights };
-                    stencil.sweep(SWEEPS[1], &level.line(row), out);
-                }
+                out if within(row) => level.line(row).sweep(SWEEPS[1], lifted.around(row), out),
                 out => out.fill(0.0),
             }
             let Some(row) = row.checked_sub(1).filter(|row| *row >= first) else { continue };
-            let stencil = Stencil { near: swept.around(row), weights: level.weights };
             let out = &mut next[(row - first) * stride..][..stride];
-            stencil.sweep(SWEEPS[0], &level.line(row), out);
+            level.line(row).sweep(SWEEPS[0], swept.around(row), out);
         }
     }
 }

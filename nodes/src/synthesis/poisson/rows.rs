@@ -4,18 +4,19 @@
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-/// Values in an array from which lots of rows are worked on in parallel.
-pub(super) const PARALLEL: usize = 1 << 16;
-/// Rows of a lot. A number of its own, so that no sum depends on that of threads.
-const ROWS: usize = 16;
+use super::masked::Cell;
 
-/// What `f` gives for each lot of rows, by where it starts, in order.
+/// Values in an array from which lots of rows are worked on in parallel.
+pub(super) const PARALLEL: usize = 1 << 15;
+/// Rows of a lot. A number of its own, so that no sum depends on that of threads.
+pub(super) const ROWS: usize = 16;
+
+/// What `f` gives for each `lot` of values, by where it starts, in order.
 pub(super) fn each<T: Send, R: Send>(
     values: &mut [T],
-    stride: usize,
+    lot: usize,
     f: impl Fn(usize, &mut [T]) -> R + Sync,
 ) -> Vec<R> {
-    let lot = ROWS * stride;
     if values.len() < PARALLEL {
         values.chunks_mut(lot).enumerate().map(|(i, values)| f(i * lot, values)).collect()
     } else {
@@ -23,32 +24,22 @@ pub(super) fn each<T: Send, R: Send>(
     }
 }
 
-/// `n` values, made by where they lie.
-pub(super) fn made<T: Send>(n: usize, f: impl Fn(usize) -> T + Sync + Send) -> Vec<T> {
-    if n < PARALLEL {
-        (0..n).map(f).collect()
-    } else {
-        (0..n).into_par_iter().with_min_len(PARALLEL / 4).map(f).collect()
-    }
-}
-
-/// [`each`] of two arrays side by side.
-pub(super) fn each_two<T: Send, U: Send>(
-    (values, others): (&mut [T], &mut [U]),
-    stride: usize,
-    f: impl Fn(usize, &mut [T], &mut [U]) + Sync,
-) {
-    let lot = ROWS * stride;
+/// [`each`] of two arrays side by side, by where the lot of the first starts.
+pub(super) fn each_two<T: Send, U: Send, R: Send>(
+    (values, lot): (&mut [T], usize),
+    (others, other_lot): (&mut [U], usize),
+    f: impl Fn(usize, &mut [T], &mut [U]) -> R + Sync,
+) -> Vec<R> {
     if values.len() < PARALLEL {
-        let lots = values.chunks_mut(lot).zip(others.chunks_mut(lot)).enumerate();
-        lots.for_each(|(i, (values, others))| f(i * lot, values, others));
+        let lots = values.chunks_mut(lot).zip(others.chunks_mut(other_lot)).enumerate();
+        lots.map(|(i, (values, others))| f(i * lot, values, others)).collect()
     } else {
-        let lots = values.par_chunks_mut(lot).zip(others.par_chunks_mut(lot)).enumerate();
-        lots.for_each(|(i, (values, others))| f(i * lot, values, others));
+        let lots = values.par_chunks_mut(lot).zip(others.par_chunks_mut(other_lot)).enumerate();
+        lots.map(|(i, (values, others))| f(i * lot, values, others)).collect()
     }
 }
 
-/// What is left, in single precision and as a share of its largest.
+/// What is left, in single precision.
 pub(super) struct Scaled<'a> {
     pub(super) rest: &'a [f64],
     pub(super) scale: f64,
@@ -68,15 +59,15 @@ impl NullaryFnOnce for Scaled<'_> {
 
 /// The way that was found goes into the solution, and turns by a correction.
 pub(super) struct Turn<'a> {
-    pub(super) along: &'a mut [f64],
+    pub(super) along: &'a mut [f32],
     pub(super) solution: &'a mut [f64],
     /// How far the solution goes along.
     pub(super) length: f64,
     pub(super) correction: &'a [f32],
     /// What the correction is to be taken times.
-    pub(super) largest: f64,
+    pub(super) scale: f32,
     /// How much of the way before stays.
-    pub(super) share: f64,
+    pub(super) share: f32,
 }
 
 impl NullaryFnOnce for Turn<'_> {
@@ -84,57 +75,117 @@ impl NullaryFnOnce for Turn<'_> {
 
     #[inline(always)]
     fn call(self) {
-        let Self { along, solution, length, correction, largest, share } = self;
+        let Self { along, solution, length, correction, scale, share } = self;
         for ((along, solution), correction) in along.iter_mut().zip(solution).zip(correction) {
-            *solution += length * *along;
-            *along = f64::from(*correction) * largest + share * *along;
+            *solution += length * f64::from(*along);
+            *along = correction * scale + share * *along;
         }
     }
 }
 
-/// Some rows of a matrix times `x`.
-pub(super) struct Apply<'a> {
-    pub(super) x: &'a [f64],
-    pub(super) diagonal: &'a [f64],
+/// The matrix of the finest level, in double precision. `HELD` says whether there are holds.
+#[derive(Clone, Copy)]
+pub(super) struct Equations<'a, const HELD: bool> {
+    pub(super) cells: &'a [Cell],
+    pub(super) holds: &'a [f64],
     pub(super) weights: [f64; 2],
     pub(super) stride: usize,
-    /// Where they start in the framed arrays.
-    pub(super) first: usize,
-    pub(super) out: &'a mut [f64],
 }
 
-impl NullaryFnOnce for Apply<'_> {
-    /// The scalar product of what went in and what came out.
+impl<const HELD: bool> Equations<'_, HELD> {
+    /// The matrix times `x` for as many cells as `out` has, from `first` on, as the frame counts.
+    #[inline(always)]
+    fn times(&self, x: &[f32], first: usize, out: &mut [f64]) {
+        let Self { cells, holds, weights: [across, down], stride } = *self;
+        let n = out.len();
+        let (own, own_cells) = (&x[first..][..n], &cells[first..][..n]);
+        let (west, west_cells) = (&x[first - 1..][..n], &cells[first - 1..][..n]);
+        let (east, east_cells) = (&x[first + 1..][..n], &cells[first + 1..][..n]);
+        let (north, north_cells) = (&x[first - stride..][..n], &cells[first - stride..][..n]);
+        let (south, south_cells) = (&x[first + stride..][..n], &cells[first + stride..][..n]);
+        let holds = if HELD { &holds[first..][..n] } else { holds };
+        for k in 0..n {
+            let sides = across * (conducts(west_cells[k]) + conducts(east_cells[k]))
+                + down * (conducts(north_cells[k]) + conducts(south_cells[k]));
+            let diagonal = if HELD { sides + holds[k] } else { sides };
+            let flow = across * (f64::from(west[k]) + f64::from(east[k]))
+                + down * (f64::from(north[k]) + f64::from(south[k]));
+            let value = diagonal * f64::from(own[k]) - flow;
+            out[k] = if own_cells[k] == Cell::Free { value } else { 0.0 };
+        }
+    }
+}
+
+#[inline(always)]
+fn conducts(cell: Cell) -> f64 {
+    f64::from(u8::from(cell != Cell::Outside))
+}
+
+/// The scalar product of a way with the matrix times it, over `rows` rows.
+pub(super) struct Curvature<'a, const HELD: bool> {
+    pub(super) equations: Equations<'a, HELD>,
+    pub(super) along: &'a [f32],
+    /// Where they start, as the frame counts.
+    pub(super) first: usize,
+    pub(super) rows: usize,
+}
+
+impl<const HELD: bool> NullaryFnOnce for Curvature<'_, HELD> {
     type Output = f64;
 
     #[inline(always)]
     fn call(self) -> f64 {
-        let Self { x, diagonal, weights: [across, down], stride, first, out } = self;
-        let n = out.len();
-        let shifted = |start: usize| &x[start..][..n];
-        let (west, own, east) = (shifted(first - 1), shifted(first), shifted(first + 1));
-        let (north, south) = (shifted(first - stride), shifted(first + stride));
-        let diagonal = &diagonal[first..][..n];
-        for k in 0..n {
-            let value = diagonal[k] * own[k] - across * (west[k] + east[k]) - down * (north[k] + south[k]);
-            out[k] = if diagonal[k] == 0.0 { 0.0 } else { value };
+        let Self { equations, along, first, rows } = self;
+        let mut image = vec![0.0; equations.stride];
+        let mut sum = 0.0;
+        for row in 0..rows {
+            let first = first + row * equations.stride;
+            equations.times(along, first, &mut image);
+            sum += products(&image, &along[first..][..equations.stride]).0;
         }
-        sum_of_products(out, own)
+        sum
     }
 }
 
-/// In eight sums side by side, whatever the width of the registers.
-#[inline(always)]
-fn sum_of_products(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
-    let rest: f64 = a.remainder().iter().zip(b.remainder()).map(|(a, b)| a * b).sum();
-    for (a, b) in a.zip(b) {
-        for lane in 0..8 {
-            sums[lane] += a[lane] * b[lane];
+/// Takes `length` times the matrix times a way from what is left of some rows.
+pub(super) struct Subtract<'a, const HELD: bool> {
+    pub(super) equations: Equations<'a, HELD>,
+    pub(super) along: &'a [f32],
+    /// Where they start, as the frame counts.
+    pub(super) first: usize,
+    pub(super) length: f64,
+    pub(super) rest: &'a mut [f64],
+    /// What is left in single precision, times `scale`.
+    pub(super) scale: f64,
+    pub(super) scaled: &'a mut [f32],
+}
+
+impl<const HELD: bool> NullaryFnOnce for Subtract<'_, HELD> {
+    /// The largest size of what is left.
+    type Output = f64;
+
+    #[inline(always)]
+    fn call(self) -> f64 {
+        let Self { equations, along, first, length, rest, scale, scaled } = self;
+        let stride = equations.stride;
+        let mut image = vec![0.0; stride];
+        let mut most = [0.0; 8];
+        for (row, (rest, scaled)) in rest.chunks_mut(stride).zip(scaled.chunks_mut(stride)).enumerate() {
+            equations.times(along, first + row * stride, &mut image);
+            for ((rest, scaled), image) in rest.iter_mut().zip(scaled).zip(&image) {
+                *rest -= length * image;
+                *scaled = (*rest * scale) as f32;
+            }
+            let (lanes, last) = rest.as_chunks::<8>();
+            for rest in lanes {
+                for lane in 0..8 {
+                    most[lane] = larger(most[lane], rest[lane].abs());
+                }
+            }
+            last.iter().for_each(|rest| most[0] = larger(most[0], rest.abs()));
         }
+        most.into_iter().fold(0.0, larger)
     }
-    sums.iter().sum::<f64>() + rest
 }
 
 struct Dot<'a>(&'a [f64], &'a [f32]);
@@ -144,49 +195,24 @@ impl NullaryFnOnce for Dot<'_> {
 
     #[inline(always)]
     fn call(self) -> (f64, f64) {
-        let (mut sums, mut most) = ([0.0; 8], [0.0_f32; 8]);
-        let (a, b) = (self.0.chunks_exact(8), self.1.chunks_exact(8));
-        let rests = a.remainder().iter().zip(b.remainder());
-        let rest =
-            rests.fold((0.0, 0.0), |(sum, most), (a, &b)| (sum + a * f64::from(b), larger(most, b.abs())));
-        for (a, b) in a.zip(b) {
-            for lane in 0..8 {
-                sums[lane] += a[lane] * f64::from(b[lane]);
-                most[lane] = larger(most[lane], b[lane].abs());
-            }
-        }
-        (sums.iter().sum::<f64>() + rest.0, f64::from(most.into_iter().fold(rest.1, larger)))
+        products(self.0, self.1)
     }
 }
 
-/// Takes `length` times `image` from `rest`.
-pub(super) struct Subtract<'a> {
-    pub(super) rest: &'a mut [f64],
-    pub(super) image: &'a [f64],
-    pub(super) length: f64,
-}
-
-impl NullaryFnOnce for Subtract<'_> {
-    /// The largest size of what is left.
-    type Output = f64;
-
-    #[inline(always)]
-    fn call(self) -> f64 {
-        let mut most = [0.0; 8];
-        let (rest, last) = self.rest.as_chunks_mut::<8>();
-        let (image, last_image) = self.image.as_chunks::<8>();
-        for (rest, image) in rest.iter_mut().zip(image) {
-            for lane in 0..8 {
-                rest[lane] -= self.length * image[lane];
-                most[lane] = larger(most[lane], rest[lane].abs());
-            }
+/// The scalar product, in eight sums side by side, whatever the width of the registers, and the largest size in `b`.
+#[inline(always)]
+fn products(a: &[f64], b: &[f32]) -> (f64, f64) {
+    let (mut sums, mut most) = ([0.0; 8], [0.0_f32; 8]);
+    let (a, b) = (a.chunks_exact(8), b.chunks_exact(8));
+    let rests = a.remainder().iter().zip(b.remainder());
+    let rest = rests.fold((0.0, 0.0), |(sum, most), (a, &b)| (sum + a * f64::from(b), larger(most, b.abs())));
+    for (a, b) in a.zip(b) {
+        for lane in 0..8 {
+            sums[lane] += a[lane] * f64::from(b[lane]);
+            most[lane] = larger(most[lane], b[lane].abs());
         }
-        for (rest, image) in last.iter_mut().zip(last_image) {
-            *rest -= self.length * image;
-            most[0] = larger(most[0], rest.abs());
-        }
-        most.into_iter().fold(0.0, larger)
     }
+    (sums.iter().sum::<f64>() + rest.0, f64::from(most.into_iter().fold(rest.1, larger)))
 }
 
 /// The larger, by one comparison.
