@@ -181,7 +181,7 @@ ROWS = [
     ("seam on a square, 511²", (NODES, SYNTHESIS, "seam_on_a_rectangle", "511"), "scipy", "SciPy", lambda: sine_poisson(511)),
     ("seam on a square, 2047²", (NODES, SYNTHESIS, "seam_on_a_rectangle", "2047"), "scipy", "SciPy", lambda: sine_poisson(2047)),
     ("seam on a disc, 512²", (NODES, SYNTHESIS, "seam_on_a_disc", "512"), "pyamg", "PyAMG", lambda: multigrid_disc(512)),
-    ("seam on a disc, 512², and all of its box", (NODES, SYNTHESIS, "seam_on_a_disc", "512"), "scipy", "SciPy, sine transform", lambda: sine_poisson(512)),
+    ("seam on a disc, 512², and its box", (NODES, SYNTHESIS, "seam_on_a_disc", "512"), "scipy", "SciPy, sine transform", lambda: sine_poisson(512)),
     ("131,000 void cells patched, 1201²", (NODES, "repair", "patch_voids", "(1201, 131000)"), "rasterio", "GDAL, 3 smoothings", fill),
 ]
 
