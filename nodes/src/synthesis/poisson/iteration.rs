@@ -9,9 +9,9 @@ use orograph_core::prelude::*;
 use pulp::Arch;
 
 use super::{
-    masked::Cell,
     multigrid::Levels,
-    rows::{Curvature, Equations, ROWS, Scaled, Subtract, Turn, dot, each, each_two, greatest},
+    network::Finest,
+    rows::{Curvature, Equations, ROWS, Scaled, Subtract, Turn, dot, each, each_two, greatest, largest},
 };
 
 /// The last correction is nowhere larger, in metres.
@@ -23,35 +23,24 @@ const MAX_STEPS: usize = 400;
 /// Preconditioned conjugate gradients on arrays with a frame one cell wide.
 pub(super) struct Iteration<'a> {
     levels: Levels,
-    stride: usize,
-    cells: &'a [Cell],
-    holds: &'a [f64],
-    weights: [f64; 2],
+    finest: Finest<'a>,
     rest: Vec<f64>,
     solution: Vec<f64>,
 }
 
 impl<'a> Iteration<'a> {
     /// For cells of which no connected part is without fixed cell and hold. `right` is 0 where cells are not free.
-    pub(super) fn new(
-        cols: usize,
-        cells: &'a [Cell],
-        holds: &'a [f64],
-        right: Vec<f64>,
-        weights: [f64; 2],
-    ) -> Self {
-        let levels = Levels::new(cols, cells, holds, weights);
-        let solution = vec![0.0; right.len()];
-        Self { levels, stride: cols + 2, cells, holds, weights, rest: right, solution }
+    pub(super) fn new(finest: Finest<'a>, right: Vec<f64>) -> Self {
+        Self { levels: Levels::new(finest), finest, solution: vec![0.0; right.len()], rest: right }
     }
 
     /// The solution and the number of steps that it took.
     pub(super) fn run(self, job: &Job<'_>) -> Result<(Vec<f64>, usize)> {
-        let Self { cells, holds, weights, stride, .. } = self;
-        if holds.is_empty() {
-            self.solve(Equations::<false> { cells, holds, weights, stride }, job)
+        let finest = self.finest;
+        if finest.holds.is_empty() {
+            self.solve(Equations::<false>(finest), job)
         } else {
-            self.solve(Equations::<true> { cells, holds, weights, stride }, job)
+            self.solve(Equations::<true>(finest), job)
         }
     }
 
@@ -60,9 +49,10 @@ impl<'a> Iteration<'a> {
         equations: Equations<'_, HELD>,
         job: &Job<'_>,
     ) -> Result<(Vec<f64>, usize)> {
-        let (stride, lot, arch) = (self.stride, ROWS * self.stride, Arch::new());
+        let (stride, arch) = (self.finest.stride, Arch::new());
+        let lot = ROWS * stride;
         let inner = stride..self.rest.len() - stride;
-        let start = greatest(self.rest.iter().map(|rest| rest.abs()));
+        let start = largest(&self.rest);
         if start == 0.0 {
             return Ok((self.solution, 0));
         }
@@ -76,11 +66,11 @@ impl<'a> Iteration<'a> {
         let (guess, right) = self.levels.found();
         let most = greatest(each(&mut self.solution, lot, |first, solution| {
             solution.iter_mut().zip(&guess[first..]).for_each(|(x, guess)| *x = f64::from(*guess) * unit);
-            greatest(solution.iter().map(|x| x.abs()))
+            largest(solution)
         }));
         let accuracy = ACCURACY.max(RELATIVE * most);
         let (rest, right) = (&mut self.rest[inner.clone()], &mut right[inner.clone()]);
-        let mut largest = greatest(each_two((rest, lot), (right, lot), |first, rest, scaled| {
+        let mut left = greatest(each_two((rest, lot), (right, lot), |first, rest, scaled| {
             let (first, length, scale) = (first + stride, unit, 1.0 / unit);
             arch.dispatch(Subtract { equations, along: guess, first, length, rest, scale, scaled })
         }));
@@ -90,7 +80,7 @@ impl<'a> Iteration<'a> {
         let mut length = 0.0;
         for step in 0..MAX_STEPS {
             job.check()?;
-            if largest == 0.0 {
+            if left == 0.0 {
                 self.go(&along, length, 0.0);
                 return Ok((self.solution, step));
             }
@@ -122,20 +112,20 @@ impl<'a> Iteration<'a> {
                 break;
             }
             length = product / (start * curvature);
-            let scale = 1.0 / largest;
-            let left = each_two((rows, lot), (&mut right[inner.clone()], lot), |first, rest, scaled| {
+            let scale = 1.0 / left;
+            let sizes = each_two((rows, lot), (&mut right[inner.clone()], lot), |first, rest, scaled| {
                 let first = first + stride;
                 arch.dispatch(Subtract { equations, along, first, length, rest, scale, scaled })
             });
-            (unit, largest) = (largest, greatest(left));
+            (unit, left) = (left, greatest(sizes));
         }
-        Err(Error::NotConverged { steps: MAX_STEPS as u64, residual: largest / start })
+        Err(Error::NotConverged { steps: MAX_STEPS as u64, residual: left / start })
     }
 
     /// Lets the solution go `length` along, and then by what was last corrected.
     fn go(&mut self, along: &[f32], length: f64, correction: f64) {
         let (corrected, _) = self.levels.found();
-        each(&mut self.solution, ROWS * self.stride, |start, x| {
+        each(&mut self.solution, ROWS * self.finest.stride, |start, x| {
             for ((x, along), z) in x.iter_mut().zip(&along[start..]).zip(&corrected[start..]) {
                 *x = *x + length * f64::from(*along) + f64::from(*z) * correction;
             }

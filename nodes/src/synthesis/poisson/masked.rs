@@ -5,7 +5,7 @@
 
 use orograph_core::prelude::*;
 
-use super::{floating::floating_parts, iteration::Iteration};
+use super::{floating::floating_parts, iteration::Iteration, network::Finest};
 
 /// What a cell is to the equation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +79,8 @@ pub fn solve_held(domain: &Domain<'_>, holds: &[f64], b: &[f64], job: &Job<'_>) 
         framed[cells[0]] = Cell::Fixed;
         right[cells[0]] = 0.0;
     }
-    let (mut solution, _) = Iteration::new(part.cols, &framed, &holds, right, weights).run(job)?;
+    let finest = Finest { stride: part.cols + 2, cells: &framed, holds: &holds, weights };
+    let (mut solution, _) = Iteration::new(finest, right).run(job)?;
     for cells in &floating {
         let mean = cells.iter().map(|&i| solution[i]).sum::<f64>() / cells.len() as f64;
         cells.iter().for_each(|&i| solution[i] -= mean);
@@ -240,8 +241,8 @@ mod tests {
                 .filter(|(_, cell)| **cell != Cell::Free)
                 .for_each(|(b, _)| *b = 0.0);
             let holds = if holds.is_empty() { holds } else { part.framed(&holds, 0.0) };
-            let (_, steps) =
-                Iteration::new(side, &framed, &holds, right, [1.0; 2]).run(&Job::detached()).unwrap();
+            let finest = Finest { stride: side + 2, cells: &framed, holds: &holds, weights: [1.0; 2] };
+            let (_, steps) = Iteration::new(finest, right).run(&Job::detached()).unwrap();
             assert!(steps <= most, "{name}: {steps}");
         }
     }

@@ -12,3 +12,4 @@ mod rolling;
 mod rows;
 pub mod seam;
 mod stencil;
+mod terms;

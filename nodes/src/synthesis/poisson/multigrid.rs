@@ -11,11 +11,11 @@
 use pulp::{Arch, NullaryFnOnce};
 
 use super::{
-    masked::Cell,
-    network::{At, Finest, Joint, Size, halved, parents, share},
+    network::{Finest, Size, halved, parents},
     rolling::Rolling,
-    rows::{ROWS, each, each_two},
+    rows::{each, each_two},
     stencil::{Alike, Line, Own, Row, gather},
+    terms::{EAST, INVERSE, OfCells, OfJoints, SHARE, SOUTH, Terms, terms},
 };
 
 /// Weights of the two sweeps, the zeros of Chebyshev's polynomial on the part of the spectrum from 0.3 to 2.
@@ -29,15 +29,6 @@ struct Level<M> {
     spare: Vec<f32>,
     right: Vec<f32>,
 }
-
-/// What is kept of each cell besides, a row of the level after the other, and of a row one term after the other: the
-/// inverse of the matrix's diagonal, and how much of what the coarser level spreads the cell takes. They are 0 for cells
-/// that are not free.
-const INVERSE: usize = 0;
-const SHARE: usize = 1;
-/// On coarser levels also what flows to the next cell of the row and of the column.
-const EAST: usize = 2;
-const SOUTH: usize = 3;
 
 /// The levels over a domain. All arrays have a frame one cell wide.
 pub(super) struct Levels {
@@ -56,7 +47,7 @@ trait Matrix: Sync + 'static {
 }
 
 impl Matrix for Alike {
-    const TERMS: usize = 2;
+    const TERMS: usize = OfCells::COUNT;
     type Row<'a> = Self;
 
     #[inline(always)]
@@ -69,7 +60,7 @@ impl Matrix for Alike {
 struct Varied;
 
 impl Matrix for Varied {
-    const TERMS: usize = 4;
+    const TERMS: usize = OfJoints::COUNT;
     type Row<'a> = Own<'a>;
 
     #[inline(always)]
@@ -87,35 +78,23 @@ impl Matrix for Varied {
 }
 
 impl Levels {
-    /// For the framed cells of a domain, the strengths by which they are held, if any is, and the weights of steps.
-    pub(super) fn new(cols: usize, framed: &[Cell], holds: &[f64], weights: [f64; 2]) -> Self {
-        let mut size = Size { rows: framed.len() / (cols + 2) - 2, cols };
+    /// Over a domain.
+    pub(super) fn new(domain: Finest<'_>) -> Self {
+        let weights = domain.weights;
         let mean = (0.5 * (weights[0] + weights[1])) as f32;
-        let finest = Finest { stride: size.stride(), cells: framed, holds, weights };
-        let mut joints = halved(size, |i| finest.joint(i), mean);
+        let mut size = domain.size();
+        let mut joints = halved(size, |i| domain.joint(i), mean);
         let matrix = Alike(weights.map(|weight| weight as f32));
-        let finest = Level::new(size, matrix, |at| {
-            let i = at.index(size);
-            if framed[i] != Cell::Free {
-                return [0.0; Alike::TERMS];
-            }
-            let sides = finest.sides(i);
-            let hold = holds.get(i).copied().unwrap_or(0.0);
-            let diagonal = sides + hold;
-            // A cell that is held firmly hardly moves, so that little is spread to it, as to a fixed one nothing is.
-            let share = share(size, at, framed[i], &joints) * (sides * inverse(diagonal)) as f32;
-            [inverse(diagonal) as f32, share]
-        });
+        let finest = Level::new(size, matrix, terms(size, &OfCells { domain, coarser: &joints }));
         let mut coarser = Vec::new();
         while !size.is_single() {
             size = size.halved();
             let next = halved(size, |i| joints[i], mean);
-            coarser.push(Level::new(size, Varied, |at| {
-                let i = at.index(size);
-                let Joint { cell, east, south, ground } = joints[i];
-                let diagonal = east + south + ground + joints[i - 1].east + joints[i - size.stride()].south;
-                [inverse(diagonal.into()) as f32, share(size, at, cell, &next), east, south]
-            }));
+            coarser.push(Level::new(
+                size,
+                Varied,
+                terms(size, &OfJoints { joints: &joints, coarser: &next }),
+            ));
             joints = next;
         }
         Self { finest, coarser }
@@ -137,30 +116,12 @@ impl Levels {
     }
 }
 
-/// 0 of 0: a cell from which nothing leads stays where it is.
-fn inverse(diagonal: f64) -> f64 {
-    if diagonal > 0.0 { 1.0 / diagonal } else { 0.0 }
-}
-
 /// Rows of the coarser level that are made together on the way down, and half the rows that are on the way up.
 const LOT: usize = 16;
 
 impl<M: Matrix> Level<M> {
-    /// `term` gives the terms of a cell.
-    fn new<const TERMS: usize>(size: Size, matrix: M, term: impl Fn(At) -> [f32; TERMS] + Sync) -> Self {
-        const { assert!(TERMS == M::TERMS) };
-        let (stride, zeros) = (size.stride(), || vec![0.0; size.framed()]);
-        let mut terms = vec![0.0; TERMS * size.framed()];
-        let inner = TERMS * stride..TERMS * (size.rows + 1) * stride;
-        each(&mut terms[inner], TERMS * ROWS * stride, |start, out| {
-            for (row, out) in out.chunks_mut(TERMS * stride).enumerate() {
-                let row = start / (TERMS * stride) + 1 + row;
-                for col in 1..=size.cols {
-                    let terms = term(At { row, col });
-                    terms.into_iter().enumerate().for_each(|(k, term)| out[k * stride + col] = term);
-                }
-            }
-        });
+    fn new(size: Size, matrix: M, terms: Vec<f32>) -> Self {
+        let zeros = || vec![0.0; size.framed()];
         Self { size, matrix, terms, value: zeros(), spare: zeros(), right: zeros() }
     }
 

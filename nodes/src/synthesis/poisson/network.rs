@@ -40,15 +40,8 @@ pub(super) struct Finest<'a> {
 }
 
 impl Finest<'_> {
-    /// The sum of the weights of a free cell's steps to cells that are not outside; 0 for other cells.
-    pub(super) fn sides(&self, i: usize) -> f64 {
-        if self.cells[i] != Cell::Free {
-            return 0.0;
-        }
-        let conducts = |i: usize| f64::from(u8::from(self.cells[i] != Cell::Outside));
-        let [across, down] = self.weights;
-        across * (conducts(i - 1) + conducts(i + 1))
-            + down * (conducts(i - self.stride) + conducts(i + self.stride))
+    pub(super) fn size(&self) -> Size {
+        Size { rows: self.cells.len() / self.stride - 2, cols: self.stride - 2 }
     }
 
     pub(super) fn joint(&self, i: usize) -> Joint {
@@ -65,6 +58,38 @@ impl Finest<'_> {
         let hold = self.holds.get(i).map_or(0.0, |&hold| hold as f32);
         let (east, south) = (is(Cell::Free, i + 1, across), is(Cell::Free, i + self.stride, down));
         Joint { cell, east, south, ground: fixed + hold }
+    }
+}
+
+/// The cells of some in a row, and of their neighbours.
+pub(super) struct Around<'a> {
+    pub(super) own: &'a [Cell],
+    west: &'a [Cell],
+    east: &'a [Cell],
+    north: &'a [Cell],
+    south: &'a [Cell],
+}
+
+impl<'a> Around<'a> {
+    /// Of `n` cells from `first` on, as the frame counts.
+    #[inline(always)]
+    pub(super) fn new(cells: &'a [Cell], first: usize, n: usize, stride: usize) -> Self {
+        let from = |first: usize| &cells[first..][..n];
+        Self {
+            own: from(first),
+            west: from(first - 1),
+            east: from(first + 1),
+            north: from(first - stride),
+            south: from(first + stride),
+        }
+    }
+
+    /// The sum of the weights of the steps from cell `k` to cells that are not outside.
+    #[inline(always)]
+    pub(super) fn sides(&self, k: usize, [across, down]: [f64; 2]) -> f64 {
+        let conducts = |cells: &[Cell]| f64::from(u8::from(cells[k] != Cell::Outside));
+        across * (conducts(self.west) + conducts(self.east))
+            + down * (conducts(self.north) + conducts(self.south))
     }
 }
 
@@ -126,34 +151,39 @@ fn joined(four: [Joint; 4], weight: f32) -> Joint {
     }
 }
 
-/// Where a cell is, counted with the frame.
-#[derive(Clone, Copy)]
-pub(super) struct At {
-    pub(super) row: usize,
-    pub(super) col: usize,
-}
-
-impl At {
-    pub(super) fn index(self, size: Size) -> usize {
-        self.row * size.stride() + self.col
-    }
-}
-
-/// How much of the correction that the coarser level spreads bilinearly a cell takes, so that an even one stays even beside
-/// cells outside: 0 if it is not free.
+/// By which of the three coarse cells that a fine one lies next to are outside, 1 or 0: along the row, across, and both.
 #[inline(always)]
-pub(super) fn share(size: Size, at: At, cell: Cell, coarser: &[Joint]) -> f32 {
-    if cell != Cell::Free {
-        return 0.0;
+fn share(beside: f32, across: f32, corner: f32) -> f32 {
+    1.0 / (1.0 - (0.1875 * beside + 0.1875 * across) - 0.0625 * corner)
+}
+
+/// How much of the correction that the coarser level spreads bilinearly the cells of a row take, so that an even one stays
+/// even beside cells outside. The row is counted with the frame, `out` is without.
+#[inline(always)]
+pub(super) fn shares(row: usize, coarser: &[Joint], coarse_stride: usize, out: &mut [f32]) {
+    let (own, other) = parents(row);
+    let joints = |row: usize| &coarser[row * coarse_stride..][..coarse_stride];
+    let (own, other) = (joints(own), joints(other));
+    let mut lost = vec![0.0; 2 * coarse_stride];
+    let (beside, across) = lost.split_at_mut(coarse_stride);
+    for col in 0..coarse_stride {
+        beside[col] = f32::from(u8::from(own[col].cell == Cell::Outside));
+        across[col] = f32::from(u8::from(other[col].cell == Cell::Outside));
     }
-    let coarse_stride = size.halved().stride();
-    let ((own_row, other_row), (own_col, other_col)) = (parents(at.row), parents(at.col));
-    let lost = |row: usize, col: usize, weight: f32| match coarser[row * coarse_stride + col].cell {
-        Cell::Outside => weight,
-        Cell::Free | Cell::Fixed => 0.0,
-    };
-    let beside = lost(own_row, other_col, 0.1875) + lost(other_row, own_col, 0.1875);
-    1.0 / (1.0 - beside - lost(other_row, other_col, 0.0625))
+    let (pairs, last) = out.as_chunks_mut::<2>();
+    let n = pairs.len();
+    let (before, own, after) = (0..n, 1..n + 1, 2..n + 2);
+    let (beside_before, beside_after) = (&beside[before.clone()], &beside[after.clone()]);
+    let (across_before, across_own, across_after) = (&across[before], &across[own], &across[after]);
+    for k in 0..n {
+        pairs[k] = [
+            share(beside_before[k], across_own[k], across_before[k]),
+            share(beside_after[k], across_own[k], across_after[k]),
+        ];
+    }
+    if let [last] = last {
+        *last = share(beside[n], across[n + 1], across[n]);
+    }
 }
 
 /// The coarse rows that a fine one lies in and lies next to, counted with the frame.

@@ -4,7 +4,10 @@
 use pulp::{Arch, NullaryFnOnce};
 use rayon::prelude::*;
 
-use super::masked::Cell;
+use super::{
+    masked::Cell,
+    network::{Around, Finest},
+};
 
 /// Values in an array from which lots of rows are worked on in parallel.
 pub(super) const PARALLEL: usize = 1 << 15;
@@ -85,40 +88,29 @@ impl NullaryFnOnce for Turn<'_> {
 
 /// The matrix of the finest level, in double precision. `HELD` says whether there are holds.
 #[derive(Clone, Copy)]
-pub(super) struct Equations<'a, const HELD: bool> {
-    pub(super) cells: &'a [Cell],
-    pub(super) holds: &'a [f64],
-    pub(super) weights: [f64; 2],
-    pub(super) stride: usize,
-}
+pub(super) struct Equations<'a, const HELD: bool>(pub(super) Finest<'a>);
 
 impl<const HELD: bool> Equations<'_, HELD> {
     /// The matrix times `x` for as many cells as `out` has, from `first` on, as the frame counts.
     #[inline(always)]
     fn times(&self, x: &[f32], first: usize, out: &mut [f64]) {
-        let Self { cells, holds, weights: [across, down], stride } = *self;
+        let Finest { cells, holds, weights, stride } = self.0;
+        let [across, down] = weights;
         let n = out.len();
-        let (own, own_cells) = (&x[first..][..n], &cells[first..][..n]);
-        let (west, west_cells) = (&x[first - 1..][..n], &cells[first - 1..][..n]);
-        let (east, east_cells) = (&x[first + 1..][..n], &cells[first + 1..][..n]);
-        let (north, north_cells) = (&x[first - stride..][..n], &cells[first - stride..][..n]);
-        let (south, south_cells) = (&x[first + stride..][..n], &cells[first + stride..][..n]);
+        let cells = Around::new(cells, first, n, stride);
+        let own = &x[first..][..n];
+        let (west, east) = (&x[first - 1..][..n], &x[first + 1..][..n]);
+        let (north, south) = (&x[first - stride..][..n], &x[first + stride..][..n]);
         let holds = if HELD { &holds[first..][..n] } else { holds };
         for k in 0..n {
-            let sides = across * (conducts(west_cells[k]) + conducts(east_cells[k]))
-                + down * (conducts(north_cells[k]) + conducts(south_cells[k]));
+            let sides = cells.sides(k, weights);
             let diagonal = if HELD { sides + holds[k] } else { sides };
             let flow = across * (f64::from(west[k]) + f64::from(east[k]))
                 + down * (f64::from(north[k]) + f64::from(south[k]));
             let value = diagonal * f64::from(own[k]) - flow;
-            out[k] = if own_cells[k] == Cell::Free { value } else { 0.0 };
+            out[k] = if cells.own[k] == Cell::Free { value } else { 0.0 };
         }
     }
-}
-
-#[inline(always)]
-fn conducts(cell: Cell) -> f64 {
-    f64::from(u8::from(cell != Cell::Outside))
 }
 
 /// The scalar product of a way with the matrix times it, over `rows` rows.
@@ -136,12 +128,13 @@ impl<const HELD: bool> NullaryFnOnce for Curvature<'_, HELD> {
     #[inline(always)]
     fn call(self) -> f64 {
         let Self { equations, along, first, rows } = self;
-        let mut image = vec![0.0; equations.stride];
+        let stride = equations.0.stride;
+        let mut image = vec![0.0; stride];
         let mut sum = 0.0;
         for row in 0..rows {
-            let first = first + row * equations.stride;
+            let first = first + row * stride;
             equations.times(along, first, &mut image);
-            sum += products(&image, &along[first..][..equations.stride]).0;
+            sum += products(&image, &along[first..][..stride]).0;
         }
         sum
     }
@@ -167,24 +160,18 @@ impl<const HELD: bool> NullaryFnOnce for Subtract<'_, HELD> {
     #[inline(always)]
     fn call(self) -> f64 {
         let Self { equations, along, first, length, rest, scale, scaled } = self;
-        let stride = equations.stride;
+        let stride = equations.0.stride;
         let mut image = vec![0.0; stride];
-        let mut most = [0.0; 8];
+        let mut most = 0.0;
         for (row, (rest, scaled)) in rest.chunks_mut(stride).zip(scaled.chunks_mut(stride)).enumerate() {
             equations.times(along, first + row * stride, &mut image);
             for ((rest, scaled), image) in rest.iter_mut().zip(scaled).zip(&image) {
                 *rest -= length * image;
                 *scaled = (*rest * scale) as f32;
             }
-            let (lanes, last) = rest.as_chunks::<8>();
-            for rest in lanes {
-                for lane in 0..8 {
-                    most[lane] = larger(most[lane], rest[lane].abs());
-                }
-            }
-            last.iter().for_each(|rest| most[0] = larger(most[0], rest.abs()));
+            most = larger(most, largest(rest));
         }
-        most.into_iter().fold(0.0, larger)
+        most
     }
 }
 
@@ -219,6 +206,19 @@ fn products(a: &[f64], b: &[f32]) -> (f64, f64) {
 #[inline(always)]
 fn larger<T: PartialOrd>(a: T, b: T) -> T {
     if a > b { a } else { b }
+}
+
+/// The largest size, in eight lanes side by side.
+#[inline(always)]
+pub(super) fn largest(values: &[f64]) -> f64 {
+    let mut most = [0.0; 8];
+    let (lanes, last) = values.as_chunks::<8>();
+    for values in lanes {
+        for lane in 0..8 {
+            most[lane] = larger(most[lane], values[lane].abs());
+        }
+    }
+    greatest(most.into_iter().chain(last.iter().map(|value| value.abs())))
 }
 
 /// Of each lot of rows, the scalar product with `b` and the largest size in `b`.
