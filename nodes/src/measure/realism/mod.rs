@@ -14,6 +14,8 @@ use picture::Side;
 use portrait::Portrait;
 use verdict::Bars;
 
+use crate::transform::resize::{Method, resize};
+
 /// Reports how far a terrain is from its exemplar, as a table and as a picture.
 ///
 /// Each distance stands beside the one between halves of the exemplar itself, their ratio, and the most that is
@@ -62,7 +64,8 @@ pub struct RealismOut {
 
 impl Node for Realism {
     const ID: &'static str = "measure.realism";
-    const VERSION: u32 = 2; // 2 draws no picture so small that its texts overlap
+    // 2 draws no picture so small that its texts overlap
+    const VERSION: u32 = 3; // 3 looks at both on the same cells, and over the same wavelengths
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = RealismIn<'a>;
     type Outputs = RealismOut;
@@ -83,14 +86,8 @@ impl Node for Realism {
         job.check()?;
         terrain.known_range("terrain")?;
         exemplar.known_range("exemplar")?;
-        let [own, other] = [terrain, exemplar].map(|field| field.grid().cell);
-        let alike = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
-        if !(alike(own.x, other.x) && alike(own.y, other.y)) {
-            job.warn(format!(
-                "cells of {} × {} m are held against cells of {} × {} m: slopes and curvatures depend on their size",
-                own.x, own.y, other.x, other.y
-            ));
-        }
+        let resampled = on_cells_of(terrain, exemplar, job)?;
+        let exemplar = resampled.as_ref().unwrap_or(exemplar);
         let sides = [Portrait::of(terrain, job)?, Portrait::of(exemplar, job)?];
         let halves = verdict::between_halves(exemplar, job)?;
         let bars = Bars { ratio: self.ratio_bar, pits: self.pit_bar, seams: self.seam_bar };
@@ -104,6 +101,23 @@ impl Node for Realism {
         )?;
         Ok(RealismOut { report: verdict::table(&lines)?, picture })
     }
+}
+
+/// The exemplar on cells of the terrain's size: slopes, curvatures and landforms depend on how closely one looks. `None` if
+/// it has them, to a hundredth.
+fn on_cells_of(terrain: &Heightfield, exemplar: &Heightfield, job: &Job) -> Result<Option<Heightfield>> {
+    let [own, other] = [terrain, exemplar].map(|field| field.grid().cell);
+    let alike = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
+    if alike(own.x, other.x) && alike(own.y, other.y) {
+        return Ok(None);
+    }
+    job.warn(format!(
+        "the exemplar's cells of {:.1} × {:.1} m are resampled to the terrain's {:.1} × {:.1} m before both are measured",
+        other.x, other.y, own.x, own.y
+    ));
+    let cells = |n: usize, ratio: f64| (n as f64 * ratio).round().max(1.0) as usize;
+    let (rows, cols) = (cells(exemplar.rows(), other.y / own.y), cells(exemplar.cols(), other.x / own.x));
+    resize(exemplar, rows, cols, Method::Auto, job).map(Some)
 }
 
 #[cfg(test)]
@@ -168,6 +182,20 @@ mod tests {
             let found = alone.iter().find_map(|table| table.metric(name)).unwrap();
             assert!(found == value || found.is_nan() && value.is_nan(), "{name}: {found} and {value}");
         }
+    }
+
+    #[test]
+    fn an_exemplar_on_other_cells_is_looked_at_as_closely_as_the_terrain() {
+        let job = Job::detached();
+        let exemplar = hills(9.0);
+        let finer = resize(&exemplar, 2 * exemplar.rows(), 2 * exemplar.cols(), Method::Auto, &job).unwrap();
+        let report = |exemplar| {
+            let inputs = RealismIn { terrain: &finer, exemplar, placement: None };
+            Realism::default().run(inputs, &job).unwrap().report
+        };
+        let (own, coarse) = (report(&finer), report(&exemplar));
+        assert_eq!(numbers(&own, "exemplar")[0], numbers(&coarse, "exemplar")[0]);
+        assert!(numbers(&coarse, "value")[..12].iter().all(|&value| value == 0.0 || value.is_nan()));
     }
 
     #[test]

@@ -117,7 +117,7 @@ pub const DISTANCES: [Distance; 12] = [
         judged: true,
         unit: Unit::One,
         figure: |own| own.rings.beta,
-        between: |own, other| (own.rings.beta - other.rings.beta).abs(),
+        between: |own, other| own.rings.beta_difference(&other.rings),
     },
     Distance {
         name: "spectrum_rms",

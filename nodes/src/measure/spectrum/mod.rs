@@ -17,8 +17,8 @@ use window::Window;
 
 /// Measures how a terrain's roughness falls with wavelength, and how far that is from a reference.
 ///
-/// Only the largest centred square counts. Spectra are compared over the wavelengths that both have, wherever
-/// their level lies. Without a reference the distances are NaN.
+/// Only the largest centred square counts. Spectra and their exponents are compared over the wavelengths that both have,
+/// wherever their level lies. Without a reference the distances are NaN.
 #[derive(Params, Clone, Debug)]
 pub struct Spectrum {}
 
@@ -42,7 +42,7 @@ pub struct SpectrumOut {
 
 impl Node for Spectrum {
     const ID: &'static str = "measure.spectrum";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 compares exponents over the wavelengths that both have
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = SpectrumIn<'a>;
     type Outputs = SpectrumOut;
@@ -66,7 +66,7 @@ impl Node for Spectrum {
         let metrics = Table::metrics([
             ("beta", Unit::One, own.beta),
             ("anisotropy", Unit::One, own.anisotropy),
-            ("beta_difference", Unit::One, against(|own, other| (own.beta - other.beta).abs())),
+            ("beta_difference", Unit::One, against(Rings::beta_difference)),
             ("spectrum_rms", Unit::One, against(Rings::distance)),
         ])?;
         let column =
@@ -219,9 +219,26 @@ impl Rings {
                 log_density: libm::log(mean * scale),
             })
             .collect();
-        let points: Vec<_> = rings.iter().map(|ring| (ring.log_wave_number, ring.log_density)).collect();
-        let beta = if points.len() < 3 { f64::NAN } else { -line_slope(&points) };
+        let beta = exponent(rings.iter().map(|ring| (ring.log_wave_number, ring.log_density)).collect());
         Ok(Self { rings, beta, anisotropy: spread(&sectors), area: window.area(), void_share })
+    }
+
+    /// How far the exponents lie apart over the wavelengths that both have: real ground is not quite a power law, so that
+    /// windows of other sizes have other exponents. NaN where either has fewer than three rings there.
+    #[must_use]
+    pub fn beta_difference(&self, other: &Self) -> f64 {
+        let span = |rings: &[Ring]| {
+            let ends = [rings.first(), rings.last()];
+            ends.map(|ring| ring.map_or(f64::NAN, |ring| ring.log_wave_number))
+        };
+        let ([a, b], [c, d]) = (span(&self.rings), span(&other.rings));
+        // The ends of equal spectra count.
+        let common = a.max(c) - 1e-9..=b.min(d) + 1e-9;
+        let of = |rings: &[Ring]| {
+            let within = rings.iter().filter(|ring| common.contains(&ring.log_wave_number));
+            exponent(within.map(|ring| (ring.log_wave_number, ring.log_density)).collect())
+        };
+        (of(&self.rings) - of(&other.rings)).abs()
     }
 
     /// Root mean square of the difference of the logarithmic spectra less its mean, over the wavelengths that
@@ -252,6 +269,11 @@ impl Rings {
         let t = (log_wave_number - a.log_wave_number) / (b.log_wave_number - a.log_wave_number);
         Some(a.log_density + t * (b.log_density - a.log_density))
     }
+}
+
+/// The exponent of a power law through logarithms of wave number and density; NaN for fewer than three.
+fn exponent(points: Vec<(f64, f64)>) -> f64 {
+    if points.len() < 3 { f64::NAN } else { -line_slope(&points) }
 }
 
 /// Logarithm of the largest over the least mean of the sectors that hold anything.
@@ -308,6 +330,22 @@ mod tests {
         assert!((far.metric("beta_difference").unwrap() - 1.0).abs() < 0.15);
         let raised = smooth.map(&Job::detached(), |height| 4.0 * height + 128.0).unwrap();
         assert!(run(&raised).metrics.metric("spectrum_rms").unwrap() < 1e-4);
+    }
+
+    #[test]
+    fn exponents_are_compared_over_common_wavelengths() {
+        // A spectrum that is steep for long waves and flat for short ones; a corner of it lacks the long ones.
+        let (steep, flat) = (synthetic(4.0, 6), synthetic(1.0, 7));
+        let whole =
+            field(384, 384, |row, col| f64::from(steep.at(row, col)) + 0.02 * f64::from(flat.at(row, col)));
+        let corner = whole.crop(0, 0, 96, 96, &Job::detached()).unwrap();
+        let [whole, corner] = [&whole, &corner].map(|field| Rings::of(field, &Job::detached()).unwrap());
+        let apart = (whole.beta - corner.beta).abs();
+        assert!(whole.beta_difference(&corner) < 0.5 * apart, "{} {apart}", whole.beta_difference(&corner));
+        assert_eq!(whole.beta_difference(&corner), corner.beta_difference(&whole));
+        assert_eq!(whole.beta_difference(&whole), 0.0);
+        let none = Rings { rings: Vec::new(), ..whole.clone() };
+        assert!(whole.beta_difference(&none).is_nan());
     }
 
     #[test]
