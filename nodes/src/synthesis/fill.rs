@@ -52,7 +52,7 @@ pub struct FillOut {
 
 impl Node for Fill {
     const ID: &'static str = "synthesis.fill";
-    const VERSION: u32 = 2; // 2 solves seams by another multigrid
+    const VERSION: u32 = 3; // 2 solves seams by another multigrid; 3 cuts seams where slopes agree
     const EXTENT: Extent = Extent::Global;
     const READS: &'static [ContextItem] = &[ContextItem::Seed];
     type Inputs<'a> = FillIn<'a>;

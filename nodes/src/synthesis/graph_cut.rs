@@ -57,7 +57,7 @@ impl Node for GraphCut {
                 grid.match_size("old", mask.grid(), name)?;
             }
         }
-        job.admit(grid.len() as u64 * 60, || format!("a cut of {} cells", grid.len()))?;
+        job.admit(grid.len() as u64 * 68, || format!("a cut of {} cells", grid.len()))?;
         let is_set = |mask: Option<&Mask>, i: usize| mask.is_some_and(|mask| mask.cells()[i] >= 0.5);
         let keep: Vec<Keep> = (0..grid.len())
             .map(|i| {
@@ -77,7 +77,7 @@ impl Node for GraphCut {
         let report = Table::metrics([
             ("cost", Unit::Metre, seam.cost),
             ("edges", Unit::One, seam.n_cut as f64),
-            ("mean_mismatch", Unit::Metre, seam.mean_cost()),
+            ("mean_mismatch", Unit::Metre, seam.mean_mismatch()),
         ])?;
         Ok(GraphCutOut { labels: Mask::new(grid.clone(), cells)?, report })
     }

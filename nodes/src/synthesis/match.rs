@@ -57,7 +57,8 @@ pub struct MatchOut {
 
 impl Node for Match {
     const ID: &'static str = "synthesis.match";
-    const VERSION: u32 = 2; // 2 counts bends at joins, and falls back in more ways
+    // 2 counts bends at joins, and falls back in more ways
+    const VERSION: u32 = 3; // 3 cuts seams where slopes agree
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = MatchIn<'a>;
     type Outputs = MatchOut;

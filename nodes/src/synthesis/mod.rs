@@ -16,6 +16,7 @@ mod labels;
 pub mod r#match;
 pub mod matching;
 pub mod network;
+mod outlets;
 pub mod patches;
 mod placing;
 pub mod poisson;

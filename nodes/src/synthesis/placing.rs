@@ -155,7 +155,7 @@ impl Placing<'_> {
                 }
                 taken.add(which, center);
                 self.uses.add(which, center);
-                self.report.seam += piece.seam.mean_cost();
+                self.report.seam += piece.seam.mean_mismatch();
                 self.report.placed[role_of(site)] += 1;
                 match fallback {
                     Fallback::None => {}

@@ -2,7 +2,7 @@
 
 use orograph_core::{Unit, prelude::*};
 
-use super::{crests::Raised, fill_windows::Counts};
+use super::{crests::Raised, fill_windows::Counts, outlets::Opened};
 use crate::adjust::elevation_constraints::Wanted;
 
 /// What was placed.
@@ -28,6 +28,8 @@ pub struct Report {
     pub fill: Counts,
     /// What was raised so that lines stand out.
     pub raised: Raised,
+    /// What was given an outlet.
+    pub opened: Opened,
     /// How far the terrain is off the heights that were wanted, if any.
     pub off: Option<Off>,
 }
@@ -99,6 +101,9 @@ impl Report {
             ("smoothed_cells", Unit::Cell, n(self.fill.smoothed)),
             ("raised_cells", Unit::Cell, n(self.raised.cells)),
             ("most_raised", Unit::Metre, self.raised.most),
+            ("depressions_opened", Unit::One, n(self.opened.opened)),
+            ("depressions_left", Unit::One, n(self.opened.left)),
+            ("most_opened", Unit::Metre, self.opened.most),
         ];
         if let Some(off) = self.off {
             metrics.push(("off_wanted_mean", Unit::Metre, off.mean));

@@ -21,8 +21,8 @@ pub enum Preset {
 /// Whose rules are followed, and on what scale.
 #[derive(Params, Clone, Copy, Debug, PartialEq)]
 pub struct Manner {
-    /// Whose rules are followed. The paper's own override lift, seams, repetition, variety and the user's terms where a node
-    /// has them.
+    /// Whose rules are followed. The paper's own override lift, crest, outlets, seams, repetition, variety and the user's terms
+    /// where a node has them.
     #[param(default = Preset::Default)]
     pub preset: Preset,
     /// The patches.
@@ -102,6 +102,8 @@ pub struct Rules {
     pub lift: Option<f64>,
     /// What drawn lines stand out by at least, as a share of what the exemplar's usually do; 0 for whatever they do.
     pub crest: f64,
+    /// Closed depressions deeper than what is usual in the exemplar, times this, are given an outlet; 0 leaves all.
+    pub outlets: f64,
     /// How seams are weighed.
     pub seam_weight: SeamWeight,
     /// What step is wanted across a seam.
@@ -141,7 +143,8 @@ impl Rules {
             merge: (!strict).then_some(2.0 * patch as f64),
             lift: (!strict).then_some(0.1),
             crest: if strict { 0.0 } else { 0.9 },
-            seam_weight: SeamWeight::Plain,
+            outlets: if strict { 0.0 } else { 1.0 },
+            seam_weight: if strict { SeamWeight::Plain } else { SeamWeight::Slope },
             seam_gradient: if strict { SeamGradient::Zero } else { SeamGradient::Average },
             grow: 0,
             margin: if strict { 0 } else { patch / 10 },

@@ -17,6 +17,7 @@ use super::{
     labels::{label, main_style, waver},
     matching::Uses,
     network::Network,
+    outlets::{self, usual_depth},
     patches::extract,
     placing::{Placing, Sources, Style},
     report::{Off, Report},
@@ -50,8 +51,12 @@ pub struct Synthesise {
     /// patches do not, the ground is raised, or lowered along valleys; 0 leaves it.
     #[param(default = 0.9, range = 0.0..=4.0, slider = 0.0..=1.5, unit = "1")]
     pub crest: f64,
+    /// Closed depressions deeper than nearly all of the exemplar's, times this, get an outlet; 0 leaves all. They silt up a
+    /// little, too. What drawn ridges enclose stays closed.
+    #[param(default = 1, range = 0.0..=1000.0, slider = 0.0..=4.0, unit = "1")]
+    pub outlets: f64,
     /// How the mismatch along a seam is weighed.
-    #[param(default = SeamWeight::Plain)]
+    #[param(default = SeamWeight::Slope)]
     pub seam_weight: SeamWeight,
     /// Cells beyond the overlap of two patches over which their step is spread.
     #[param(default = 0u32, range = 0..=256, slider = 0..=20, unit = "cells")]
@@ -110,7 +115,8 @@ impl Node for Synthesise {
     const ID: &'static str = "synthesis.synthesise";
     // 2 draws among the best patches, and falls back in more ways; 3 fills with ground as rough as the exemplar and lets
     // drawn lines rival nothing beside them
-    const VERSION: u32 = 4; // 4 solves seams by another multigrid, within a tenth of a millimetre
+    // 4 solves seams by another multigrid, within a tenth of a millimetre
+    const VERSION: u32 = 5; // 5 cuts seams where slopes agree, and gives depressions an outlet
     const EXTENT: Extent = Extent::Global;
     const READS: &'static [ContextItem] = &[ContextItem::Seed];
     type Inputs<'a> = SynthesiseIn<'a>;
@@ -124,12 +130,13 @@ impl Node for Synthesise {
         let mut rules = self.manner.rules(usize::MAX);
         rules.seed = seed_of(self.chance, job);
         rules.mirror = self.mirror;
-        rules.seam_weight = self.seam_weight;
         rules.grow = self.spread as usize;
         if !rules.strict() {
             rules.n_path = self.candidates as usize;
+            rules.seam_weight = self.seam_weight;
             rules.lift = Some(self.lift);
             rules.crest = self.crest;
+            rules.outlets = self.outlets;
             rules.repetition = self.repetition;
             rules.variety = self.variety as usize;
             rules.terms = self.terms;
@@ -225,6 +232,14 @@ pub fn synthesise(
     }
     if let Some(reach) = rules.merge {
         merge(&mut canvas, reach, job)?;
+    }
+    if rules.outlets > 0.0 {
+        let mut usual = 0.0_f64;
+        for exemplar in &exemplars {
+            usual = usual.max(usual_depth(&exemplar.terrain, job)?).max(exemplar.step / 4.0);
+        }
+        let limit = rules.outlets * usual;
+        report.opened = outlets::open(&mut canvas, &networks, limit, rules.patch as f64 / 2.0, job)?;
     }
     if rules.crest > 0.0 && order != Order::Raster {
         for sketch in &networks {

@@ -1,5 +1,5 @@
-//! Terrain from a drawn sign and real ridges: how well it follows the lines must not hang on how they were drawn, and no
-//! ground may show too often.
+//! Terrain from a drawn sign and real ridges: how well it follows the lines must not hang on how they were drawn, no ground
+//! may show too often, seams must not show, and depressions must not be invented.
 
 use std::path::Path;
 
@@ -12,6 +12,7 @@ use orograph_nodes::{
         ppa::{Ppa, PpaIn},
     },
     io::read_dem::ReadDem,
+    measure::realism::{Realism, RealismIn},
     synthesis::{
         settings::Manner,
         synthesise::{Synthesise, SynthesiseIn},
@@ -51,6 +52,10 @@ pub(crate) fn checks() -> Vec<Check> {
             let most = (0..centers.len()).map(served).max().unwrap_or(0);
             if centers.len() > 100 && most < MOST_USES { Ok(()) } else { Err(format!("{} times", most + 1)) }
         }),
+        check("seams do not show and depressions are not invented", |exemplar| {
+            let made = made(exemplar, 512, 12.0, 80).map_err(|error| error.to_string())?;
+            real_enough(&made, exemplar)
+        }),
         check("patches of 40 to 120 cells follow alike", |exemplar| {
             let recalls = [40, 60, 80, 100, 120].map(|patch| recall(exemplar, 12.0, patch));
             alike(recalls, BY_PATCH)
@@ -64,6 +69,27 @@ fn alike(recalls: [Result<f64, String>; 5], most: f64) -> Result<(), String> {
     let best = recalls.iter().copied().fold(0.0, f64::max);
     let worst = recalls.iter().copied().fold(1.0, f64::min);
     if best >= RECALL && best - worst <= most { Ok(()) } else { Err(format!("recalls of {recalls:.3?}")) }
+}
+
+/// Steps and bends at seams are within a quarter of those beside them, as logarithms, and depressions at most twice as dense
+/// and as deep as the exemplar's.
+fn real_enough(made: &Made, exemplar: &Heightfield) -> Result<(), String> {
+    let inputs = RealismIn { terrain: &made.terrain, exemplar, placement: Some(&made.placement) };
+    let report = Realism::default().run(inputs, &Job::detached()).map_err(|error| error.to_string())?.report;
+    let column = |name: &str| report.column(name).map(|column| column.cells.clone());
+    let (Some(Cells::Texts(metrics)), Some(Cells::Numbers(values))) = (column("metric"), column("value"))
+    else {
+        return Err("the report has other columns".into());
+    };
+    for (name, most) in
+        [("seam_step", 0.25), ("seam_bend", 0.25), ("pit_density_ratio", 2.0), ("pit_depth_ratio", 2.0)]
+    {
+        let value = metrics.iter().position(|metric| metric == name).map_or(f64::NAN, |row| values[row]);
+        if value.is_nan() || value.abs() > most {
+            return Err(format!("{name} of {value:.3}"));
+        }
+    }
+    Ok(())
 }
 
 fn read(file: &Path) -> Result<Heightfield, String> {

@@ -75,6 +75,28 @@ pub fn flood(terrain: &Heightfield, job: &Job) -> Result<Flood> {
 /// # Errors
 /// Those of [`flood`].
 pub fn flood_to(terrain: &Heightfield, is_sink: impl Fn(usize) -> bool, job: &Job) -> Result<Flood> {
+    flood_by(terrain, is_sink, false, job)
+}
+
+/// [`flood_to`] that goes on at the lowest ground under water, too, not just anywhere: the way from a cell to the outlet
+/// passes over the lowest saddles between its basin's parts.
+///
+/// # Errors
+/// Those of [`flood`].
+pub(crate) fn flood_along_lows(
+    terrain: &Heightfield,
+    is_sink: impl Fn(usize) -> bool,
+    job: &Job,
+) -> Result<Flood> {
+    flood_by(terrain, is_sink, true, job)
+}
+
+fn flood_by(
+    terrain: &Heightfield,
+    is_sink: impl Fn(usize) -> bool,
+    along_lows: bool,
+    job: &Job,
+) -> Result<Flood> {
     let grid = terrain.grid();
     let size = grid.size();
     let count = u32::try_from(grid.len()).map_err(|_| Error::TooLarge {
@@ -125,11 +147,12 @@ pub fn flood_to(terrain: &Heightfield, is_sink: impl Fn(usize) -> bool, job: &Jo
                 continue;
             }
             came_from[other] = ((direction + 4) % 8) as u8;
-            if heights[other] <= level {
-                heights[other] = level;
-                under_water.push_back(other as u32);
+            let own = heights[other];
+            heights[other] = own.max(level);
+            if own > level || along_lows {
+                heap.push(Reverse(rank(own, other)));
             } else {
-                heap.push(Reverse(rank(heights[other], other)));
+                under_water.push_back(other as u32);
             }
         }
     }
@@ -190,6 +213,39 @@ mod tests {
             assert_eq!(flood.order.len() + terrain.void_count(), 17 * 23);
             let heights: Vec<f32> = flood.order.iter().map(|&i| flood.filled.cells()[i as usize]).collect();
             assert!(heights.windows(2).all(|pair| pair[0] <= pair[1]));
+        }
+    }
+
+    #[test]
+    fn ways_along_lows_pass_over_the_lowest_saddles_under_water_too() {
+        for seed in 0..20 {
+            let noise = |row: usize, col: usize| orograph_core::gaussian(seed, 2, row as i64, col as i64);
+            let terrain = field(17, 23, |row, col| {
+                let rim = row.min(16 - row).min(col.min(22 - col)) < 2;
+                noise(row, col) + if rim { 8.0 } else { 0.0 }
+            });
+            let job = Job::detached();
+            let (plain, lows) =
+                (flood(&terrain, &job).unwrap(), flood_along_lows(&terrain, |_| false, &job).unwrap());
+            assert_eq!(plain.filled.cells(), lows.filled.cells());
+            // To each cell of a way from the lowest one no other way stays lower.
+            let cells = terrain.cells();
+            let start = (0..cells.len()).min_by(|&a, &b| cells[a].total_cmp(&cells[b])).unwrap();
+            let mut levels = vec![f32::INFINITY; cells.len()];
+            levels[start] = cells[start];
+            for _ in 0..cells.len() {
+                for cell in 0..cells.len() {
+                    let nearest = around((17, 23), cell).map(|(_, other)| levels[other]);
+                    levels[cell] = levels[cell].min(nearest.fold(f32::INFINITY, f32::min).max(cells[cell]));
+                }
+            }
+            let (mut cell, mut highest) = (start, cells[start]);
+            while lows.came_from[cell] < OUT {
+                cell = beside((17, 23), cell, lows.came_from[cell].into()).unwrap();
+                highest = highest.max(cells[cell]);
+                assert_eq!(highest, levels[cell]);
+            }
+            assert!(lows.came_from[cell] == OUT && highest > cells[start]);
         }
     }
 

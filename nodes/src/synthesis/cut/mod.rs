@@ -3,6 +3,9 @@
 //! After Zhou 2007 §5.3, which takes it from Kwatra 2003. The weight of an edge between neighbouring cells s and t of
 //! the overlap is `|a(s) - b(s)| + |a(t) - b(t)|`. Of several cuts of the same cost the one with the fewest old cells
 //! is taken, so the answer does not depend on the method.
+//!
+//! A step along the seam is spread afterwards; what the eye finds then is the bend that is left where two slopes meet. So
+//! there is a weight of slopes, too.
 
 pub mod max_flow;
 
@@ -17,6 +20,8 @@ pub enum SeamWeight {
     Plain,
     /// By that over the steps of both surfaces along the edge, which moves seams into rough ground (Kwatra 2003).
     Gradient,
+    /// By their differences in height and in slope, over how rough the ground is: what shows once the step is spread.
+    Slope,
 }
 
 /// Who a cell of the window is to belong to.
@@ -52,20 +57,32 @@ pub struct Seam {
     pub new: Vec<bool>,
     /// Cost of the cut in metres: the weights of the cut edges added up; a pure number for [`SeamWeight::Gradient`].
     pub cost: f64,
+    /// The same by heights alone, as [`SeamWeight::Plain`] has it, in metres.
+    pub mismatch: f64,
     /// Number of edges cut.
     pub n_cut: usize,
 }
 
 impl Seam {
-    /// Mean mismatch of a cut edge; 0 without one.
+    /// Mean cost of a cut edge; 0 without one.
     #[must_use]
     pub fn mean_cost(&self) -> f64 {
-        if self.n_cut == 0 { 0.0 } else { self.cost / self.n_cut as f64 }
+        self.cost / self.n_cut.max(1) as f64
+    }
+
+    /// Mean mismatch in height of a cut edge, in metres; 0 without one.
+    #[must_use]
+    pub fn mean_mismatch(&self) -> f64 {
+        self.mismatch / self.n_cut.max(1) as f64
     }
 }
 
 /// Steps below this share of a metre do not make a cut any cheaper, which keeps flat ground from costing infinitely much.
 const FLAT: f64 = 1e-3;
+
+/// A difference in slope weighs as much as the height that it comes to over so many cells: about as far as the step of a seam
+/// is spread.
+const REACH: f64 = 16.0;
 
 /// Most that a capacity may be; the sum of an edge's two directions must fit in 32 bits.
 const MAX_CAPACITY: f64 = (1_u64 << 30) as f64;
@@ -91,20 +108,28 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
             "declare that value as nodata in the source",
         ));
     }
-    let mut found = Seam { new: new.iter().map(|height| !height.is_nan()).collect(), cost: 0.0, n_cut: 0 };
+    let all_known = new.iter().map(|height| !height.is_nan()).collect();
+    let mut found = Seam { new: all_known, cost: 0.0, mismatch: 0.0, n_cut: 0 };
     let Some(overlap) = Overlap::of(cols, n, both) else { return Ok(found) };
+    let mismatch = |i: usize, j: usize| {
+        let own = |i: usize| f64::from((old[i] - new[i]).abs());
+        own(i) + own(j)
+    };
+    let grounds = match weight {
+        SeamWeight::Slope => Some(Grounds::of(overlay, &overlap, job)?),
+        SeamWeight::Plain | SeamWeight::Gradient => None,
+    };
     let edge = |i: usize, j: usize| {
         if !both(i) || !both(j) {
             return f64::NAN;
         }
-        let mismatch = |i: usize| f64::from((old[i] - new[i]).abs());
-        let plain = mismatch(i) + mismatch(j);
+        if let Some(grounds) = &grounds {
+            return (mismatch(i, j) + REACH * grounds.bend(i, j)) / grounds.roughness(i, j);
+        }
+        let step = |heights: &[f32]| f64::from((heights[i] - heights[j]).abs());
         match weight {
-            SeamWeight::Plain => plain,
-            SeamWeight::Gradient => {
-                let step = |heights: &[f32]| f64::from((heights[i] - heights[j]).abs());
-                plain / (2.0 * (step(old) + step(new)) + FLAT)
-            }
+            SeamWeight::Gradient => mismatch(i, j) / (2.0 * (step(old) + step(new)) + FLAT),
+            SeamWeight::Plain | SeamWeight::Slope => mismatch(i, j),
         }
     };
     let right = overlap.map(job, |i, col| if col + 1 < cols { edge(i, i + 1) } else { f64::NAN })?;
@@ -136,10 +161,11 @@ pub fn seam(overlay: &Overlay<'_>, weight: SeamWeight, job: &Job<'_>) -> Result<
         found.new[i] = if both(i) { is_new(old_side) } else { found.new[i] };
     })?;
     job.check()?;
-    for (weights, step) in [(&right, 1), (&down, overlap.cols)] {
+    for (weights, step, stride) in [(&right, 1, 1), (&down, overlap.cols, cols)] {
         for (i, &weight) in weights.iter().enumerate() {
             if !weight.is_nan() && is_new(old_side[i]) != is_new(old_side[i + step]) {
                 found.cost += weight;
+                found.mismatch += mismatch(overlap.cell(i), overlap.cell(i) + stride);
                 found.n_cut += 1;
             }
         }
@@ -169,6 +195,11 @@ impl Overlap {
         Some(Self { first: top * stride + left, rows, cols, stride })
     }
 
+    /// The number in the window of a cell of the rectangle.
+    fn cell(&self, i: usize) -> usize {
+        self.first + i / self.cols * self.stride + i % self.cols
+    }
+
     /// What `f` gives for each cell of the rectangle, by its number and its column in the window.
     fn map<T>(&self, job: &Job<'_>, mut f: impl FnMut(usize, usize) -> T) -> Result<Vec<T>> {
         let mut out = Vec::with_capacity(self.rows * self.cols);
@@ -182,18 +213,69 @@ impl Overlap {
     }
 }
 
-/// The pin of a cell of the overlap: beside ground that only one of the two has, and where the caller says so.
-fn pin(overlay: &Overlay<'_>, i: usize, col: usize) -> Pin {
-    let Overlay { cols, old, new, keep } = *overlay;
+/// The cells beside cell `i` of a window of `n`.
+fn neighbours(i: usize, col: usize, cols: usize, n: usize) -> impl Iterator<Item = usize> + Clone {
     let near = [
         (col > 0).then(|| i - 1),
         i.checked_sub(cols),
         (col + 1 < cols).then_some(i + 1),
-        (i + cols < new.len()).then_some(i + cols),
+        (i + cols < n).then_some(i + cols),
     ];
-    let beside = |has: &[f32], lacks: &[f32]| {
-        near.into_iter().flatten().any(|j| !has[j].is_nan() && lacks[j].is_nan())
-    };
+    near.into_iter().flatten()
+}
+
+/// How the slopes of both surfaces differ at each cell of a window, and how rough they are; 0 beyond the overlap.
+struct Grounds {
+    /// Mean difference of their steps to the neighbours, in metres.
+    bends: Vec<f32>,
+    /// Mean size of these steps, in metres.
+    steps: Vec<f32>,
+    /// Mean of the latter.
+    typical: f64,
+}
+
+impl Grounds {
+    fn of(overlay: &Overlay<'_>, overlap: &Overlap, job: &Job<'_>) -> Result<Self> {
+        let Overlay { cols, old, new, .. } = *overlay;
+        let n = new.len();
+        let (mut bends, mut steps) = (vec![0.0; n], vec![0.0; n]);
+        let (mut sum, mut count) = (0.0, 0.0_f64);
+        overlap.map(job, |i, col| {
+            let near = neighbours(i, col, cols, n);
+            let (mut bend, mut step, mut known) = (0.0, 0.0, 0.0_f32);
+            for j in near {
+                let (of_old, of_new) = (old[j] - old[i], new[j] - new[i]);
+                if !of_old.is_nan() && !of_new.is_nan() {
+                    bend += (of_old - of_new).abs();
+                    step += 0.5 * (of_old.abs() + of_new.abs());
+                    known += 1.0;
+                }
+            }
+            if known > 0.0 {
+                (bends[i], steps[i]) = (bend / known, step / known);
+                (sum, count) = (sum + f64::from(steps[i]), count + 1.0);
+            }
+        })?;
+        Ok(Self { bends, steps, typical: sum / count.max(1.0) })
+    }
+
+    /// The difference in slope at both ends of an edge.
+    fn bend(&self, i: usize, j: usize) -> f64 {
+        f64::from(self.bends[i]) + f64::from(self.bends[j])
+    }
+
+    /// How rough the ground is at an edge, from 1 for none; 2 for what is usual in the overlap.
+    fn roughness(&self, i: usize, j: usize) -> f64 {
+        let own = 0.5 * (f64::from(self.steps[i]) + f64::from(self.steps[j]));
+        1.0 + own / self.typical.max(FLAT)
+    }
+}
+
+/// The pin of a cell of the overlap: beside ground that only one of the two has, and where the caller says so.
+fn pin(overlay: &Overlay<'_>, i: usize, col: usize) -> Pin {
+    let Overlay { cols, old, new, keep } = *overlay;
+    let near = neighbours(i, col, cols, new.len());
+    let beside = |has: &[f32], lacks: &[f32]| near.clone().any(|j| !has[j].is_nan() && lacks[j].is_nan());
     match keep.get(i).copied().unwrap_or(Keep::Either) {
         _ if beside(old, new) => Pin::Source,
         _ if beside(new, old) => Pin::Sink,
@@ -251,6 +333,39 @@ mod tests {
     }
 
     #[test]
+    fn slopes_that_agree_win_over_heights_that_only_cross() {
+        // Surfaces that cross steeply in columns 4 and 5, and run 3 m above each other on parallel slopes in 6 and 7.
+        let (old, new) = strips(|_, col| if col >= 6 { 3.0 } else { 4.0 * (col as f64 - 4.5) });
+        let by =
+            |weight| seam(&Overlay { cols: 12, old: &old, new: &new, keep: &[] }, weight, &Job::detached());
+        let (plain, slope) = (by(SeamWeight::Plain).unwrap(), by(SeamWeight::Slope).unwrap());
+        for row in 0..8 {
+            let first_new = |seam: &Seam| (0..12).find(|&col| seam.new[row * 12 + col]).unwrap();
+            assert!(first_new(&plain) == 5 && first_new(&slope) >= 7, "{row}");
+        }
+        assert!(plain.mismatch <= slope.mismatch && plain.cost == plain.mismatch);
+    }
+
+    #[test]
+    fn a_weight_of_slopes_does_not_hang_on_the_unit_of_heights() {
+        let (old, new) = strips(|row, col| 10.0 * unit(key(9, 7, row as i64, col as i64)));
+        let cut = |scale: f32| {
+            let scaled = |heights: &[f32]| heights.iter().map(|height| height * scale).collect::<Vec<f32>>();
+            let overlay = Overlay { cols: 12, old: &scaled(&old), new: &scaled(&new), keep: &[] };
+            seam(&overlay, SeamWeight::Slope, &Job::detached()).unwrap()
+        };
+        let (own, other) = (cut(1.0), cut(64.0));
+        assert!(own.new == other.new && (other.cost / own.cost / 64.0 - 1.0).abs() < 1e-3);
+        // On ground without a slope nothing but heights counts.
+        let flat = |height: f32, cols: std::ops::Range<usize>| {
+            (0..96).map(|i| if cols.contains(&(i % 12)) { height } else { f32::NAN }).collect::<Vec<f32>>()
+        };
+        let overlay = Overlay { cols: 12, old: &flat(5.0, 0..9), new: &flat(7.0, 3..12), keep: &[] };
+        let level = seam(&overlay, SeamWeight::Slope, &Job::detached()).unwrap();
+        assert_eq!((level.cost, level.mismatch), (8.0 * 4.0, 8.0 * 4.0));
+    }
+
+    #[test]
     fn pinned_cells_are_kept_and_swapping_sides_costs_the_same() {
         let (old, new) = strips(|row, col| 10.0 * unit(key(7, 7, row as i64, col as i64)));
         let mut keep = vec![Keep::Either; 96];
@@ -274,7 +389,7 @@ mod tests {
     fn no_overlap_is_no_cut_and_no_pin_is_no_seam() {
         let old = vec![f32::NAN; 24];
         let new = vec![5.0; 24];
-        assert_eq!(cut(&old, &new, &[]), Seam { new: vec![true; 24], cost: 0.0, n_cut: 0 });
+        assert_eq!(cut(&old, &new, &[]), Seam { new: vec![true; 24], cost: 0.0, mismatch: 0.0, n_cut: 0 });
         let inside = cut(&[1.0; 24], &[5.0; 24], &[]);
         assert_eq!((inside.n_cut, inside.cost), (0, 0.0));
         assert!(cut(&[], &[], &[]).new.is_empty());
