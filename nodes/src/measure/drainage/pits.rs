@@ -23,7 +23,7 @@ impl Pits {
     /// Counts the depressions at least `least` metres deep between a terrain and the same terrain filled.
     ///
     /// # Errors
-    /// Those of [`each_depression`].
+    /// [`Error::TooLarge`] when `job` does not admit the memory, [`Error::Cancelled`].
     pub fn of(terrain: &Heightfield, filled: &Heightfield, least: f64, job: &Job) -> Result<Self> {
         let mut pits = Self::default();
         each_depression(terrain, filled, job, |Depression { cells, depth_sum, depth, .. }| {
