@@ -40,7 +40,7 @@ pub struct GraphCutOut {
 
 impl Node for GraphCut {
     const ID: &'static str = "synthesis.graph_cut";
-    const VERSION: u32 = 1;
+    const VERSION: u32 = 2; // 2 tells the mismatch in height, whatever edges weigh
     const EXTENT: Extent = Extent::Global;
     type Inputs<'a> = GraphCutIn<'a>;
     type Outputs = GraphCutOut;

@@ -23,8 +23,6 @@ use crate::{
     },
 };
 
-/// What walls are higher by than the ground, in metres: more than there is ground anywhere.
-const WALL: f32 = 1e5;
 /// The share of its depth that a basin keeps as it silts up; saddles are cut by the rest.
 const KEPT: f64 = 0.8;
 
@@ -55,6 +53,9 @@ pub(super) fn open(
     let (rows, cols) = canvas.size;
     let mut terrain =
         Heightfield::new(Grid::new(rows, cols, CellSize::square(1.0))?, std::mem::take(&mut canvas.heights))?;
+    let (low, high) = terrain.range().unwrap_or_default();
+    // Twice the range above ground no basin without a wall is as deep as any within.
+    let wall = 2.0 * (high - low) + 1.0;
     // A cell to either side leaves no gap at corners.
     let mut walls = near(networks, FeatureKind::Ridge, 1, canvas.size);
     walls.iter_mut().enumerate().for_each(|(cell, wall)| *wall |= canvas.is_frozen(cell));
@@ -64,16 +65,16 @@ pub(super) fn open(
     // What walls enclose has its outlet at its bottom, and so has what is enclosed within that.
     let mut sinks = Vec::new();
     let flooded = loop {
-        let walled = raised(&terrain, &walls);
+        let walled = raised(&terrain, &walls, wall);
         let flooded = flood_along_lows(&walled, |cell| sinks.binary_search(&cell).is_ok(), job)?;
-        let found = enclosed(&walled, &flooded, job)?;
+        let found = enclosed(&walled, &flooded, wall, job)?;
         if found.is_empty() {
             break flooded;
         }
         sinks.extend(found);
         sinks.sort_unstable();
     };
-    let walled = raised(&terrain, &walls);
+    let walled = raised(&terrain, &walls, wall);
     let mut done = Opened { left: sinks.len(), ..Opened::default() };
     let is_low = |&cell: &usize| {
         let height = |cell: usize| walled.cells()[cell];
@@ -96,7 +97,7 @@ pub(super) fn open(
             ..ElevationConstraints::default()
         };
         drop(walled);
-        let ways = Ways::from(lows, limit, &raised(&terrain, &walls), &flooded, job)?;
+        let ways = Ways::from(lows, limit, &raised(&terrain, &walls, wall), &flooded, job)?;
         drop(flooded);
         let ridges = near(networks, FeatureKind::Ridge, 0, canvas.size);
         let bent = constrain(&terrain, &ways.falling(&terrain, &ridges)?, &settings, job)?;
@@ -105,7 +106,7 @@ pub(super) fn open(
                 *height = bent;
             }
         }
-        let walled = raised(&terrain, &walls);
+        let walled = raised(&terrain, &walls, wall);
         let flooded = flood_along_lows(&walled, |cell| sinks.binary_search(&cell).is_ok(), job)?;
         squeeze(&mut terrain, &walled, &flooded, 0.0, limit, job, |found| {
             found.depth > limit && !stays(found.bottom)
@@ -117,11 +118,11 @@ pub(super) fn open(
     Ok(done)
 }
 
-/// The terrain with walls.
-fn raised(terrain: &Heightfield, walls: &[bool]) -> Heightfield {
+/// The terrain with walls that many metres high.
+fn raised(terrain: &Heightfield, walls: &[bool], wall: f32) -> Heightfield {
     let mut walled = terrain.clone();
-    let cells = walled.cells_mut().iter_mut().zip(walls).filter(|(_, wall)| **wall);
-    cells.for_each(|(height, _)| *height += WALL);
+    let cells = walled.cells_mut().iter_mut().zip(walls).filter(|(_, is_wall)| **is_wall);
+    cells.for_each(|(height, _)| *height += wall);
     walled
 }
 
@@ -176,15 +177,14 @@ fn near(networks: &[Network], kind: FeatureKind, reach: usize, (rows, cols): (us
     near
 }
 
-/// The bottoms of what walls enclose, ascending.
-fn enclosed(walled: &Heightfield, flooded: &Flood, job: &Job<'_>) -> Result<Vec<usize>> {
+/// The bottoms of what walls of that height enclose.
+fn enclosed(walled: &Heightfield, flooded: &Flood, wall: f32, job: &Job<'_>) -> Result<Vec<usize>> {
     let mut found = Vec::new();
     each_depression(walled, &flooded.filled, job, |Depression { bottom, depth, .. }| {
-        if depth > f64::from(WALL) / 2.0 {
+        if depth > f64::from(wall) / 2.0 {
             found.push(bottom);
         }
     })?;
-    found.sort_unstable();
     Ok(found)
 }
 
@@ -318,6 +318,9 @@ mod tests {
         let done = opened(&mut closed, &[ring(FeatureKind::Ridge, 24.0)], 5.0);
         assert_eq!((done.opened, done.left, done.most), (0, 1, 0.0));
         assert_eq!(closed.heights, before);
+        // Whatever heights are counted in.
+        let mut fine = canvas(|row, col| 1e4 * bowl(row, col));
+        assert_eq!(opened(&mut fine, &[ring(FeatureKind::Ridge, 24.0)], 5e4), done);
         // A ridge across the lowest saddle is gone around.
         let (mut barred, ridge) = (canvas(bowl), line(FeatureKind::Ridge, vec![[82.0, 50.0], [82.0, 70.0]]));
         let done = opened(&mut barred, &[ridge], 5.0);
