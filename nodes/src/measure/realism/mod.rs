@@ -103,12 +103,23 @@ impl Node for Realism {
     }
 }
 
+/// Cells that differ in area by more than this are of other scales: resampled ground would be all blur, or hardly any.
+const SCALES: f64 = 16.0;
+
 /// The exemplar on cells of the terrain's size: slopes, curvatures and landforms depend on how closely one looks. `None` if
-/// it has them, to a hundredth.
+/// it has them, to a hundredth, or is of another scale, which is remarked.
 fn on_cells_of(terrain: &Heightfield, exemplar: &Heightfield, job: &Job) -> Result<Option<Heightfield>> {
     let [own, other] = [terrain, exemplar].map(|field| field.grid().cell);
     let alike = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
     if alike(own.x, other.x) && alike(own.y, other.y) {
+        return Ok(None);
+    }
+    let share = other.x * other.y / (own.x * own.y);
+    if !(1.0 / SCALES..=SCALES).contains(&share) {
+        job.warn(format!(
+            "cells of {} × {} m are held against cells of {} × {} m: slopes and curvatures depend on their size",
+            own.x, own.y, other.x, other.y
+        ));
         return Ok(None);
     }
     job.warn(format!(
@@ -196,6 +207,15 @@ mod tests {
         let (own, coarse) = (report(&finer), report(&exemplar));
         assert_eq!(numbers(&own, "exemplar")[0], numbers(&coarse, "exemplar")[0]);
         assert!(numbers(&coarse, "value")[..12].iter().all(|&value| value == 0.0 || value.is_nan()));
+    }
+
+    #[test]
+    fn an_exemplar_of_another_scale_is_measured_as_it_is() {
+        let exemplar = hills(9.0);
+        let fine = Grid::new(exemplar.rows(), exemplar.cols(), CellSize::square(0.5)).unwrap();
+        let fine = Heightfield::new(fine, exemplar.cells().to_vec()).unwrap();
+        assert!(on_cells_of(&fine, &exemplar, &Job::detached()).unwrap().is_none());
+        assert!(on_cells_of(&exemplar, &fine, &Job::detached()).unwrap().is_none());
     }
 
     #[test]
