@@ -64,17 +64,16 @@ pub(super) fn open(
     let before = terrain.clone();
     // What walls enclose has its outlet at its bottom, and so has what is enclosed within that.
     let mut sinks = Vec::new();
-    let flooded = loop {
+    let (walled, flooded) = loop {
         let walled = raised(&terrain, &walls, wall);
         let flooded = flood_along_lows(&walled, |cell| sinks.binary_search(&cell).is_ok(), job)?;
         let found = enclosed(&walled, &flooded, wall, job)?;
         if found.is_empty() {
-            break flooded;
+            break (walled, flooded);
         }
         sinks.extend(found);
         sinks.sort_unstable();
     };
-    let walled = raised(&terrain, &walls, wall);
     let mut done = Opened { left: sinks.len(), ..Opened::default() };
     let is_low = |&cell: &usize| {
         let height = |cell: usize| walled.cells()[cell];
